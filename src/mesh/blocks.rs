@@ -1,4 +1,4 @@
-//! Cells of a mesh: blocks of one kind each, whose cells are numbered through, block after block.
+//! Cells of a mesh: blocks of one kind each; cells are numbered consecutively through all blocks.
 
 use super::{Facet, Mesh, MeshError};
 use crate::elements::{CellKind, CellShape};
@@ -25,7 +25,7 @@ impl Block {
 }
 
 impl Mesh {
-    /// Cells of one kind, without boundaries and parts.
+    /// Mesh with cells of one kind, without boundaries and parts.
     pub fn new(kind: CellKind, points: Vec<[f64; 3]>, connectivity: Vec<u32>) -> Mesh {
         Mesh { points, blocks: vec![Block { kind, connectivity }], boundaries: Vec::new(), parts: Vec::new() }
     }
@@ -94,7 +94,7 @@ impl Mesh {
         self.blocks.iter_mut().flat_map(|block| &mut block.connectivity).for_each(|node| *node = number(*node));
     }
 
-    /// Adds cells of a kind to the block of the kind, or in a new block; returns the number of the first in that block.
+    /// Adds cells of a kind to the block of this kind, or to a new block; returns the index of the first cell in its block.
     pub(super) fn add_cells(&mut self, kind: CellKind, connectivity: impl IntoIterator<Item = u32>) -> usize {
         let place = self.blocks.iter().position(|block| block.kind == kind).unwrap_or_else(|| {
             self.blocks.push(Block { kind, connectivity: Vec::new() });
@@ -131,8 +131,8 @@ impl Mesh {
         format!("{} cells", counts.join(" and "))
     }
 
-    /// Facets at which cells do not match: faces of a cell of second order with a node in their centre against faces without, and
-    /// quadrilaterals against two triangles. The first cell of such a pair with the kinds on both sides.
+    /// First cell with a facet that does not match that of its neighbor, with the kinds on both sides: faces of second order with and
+    /// without a center node, and quadrilaterals against two triangles.
     pub(super) fn unmatched(&self) -> Option<MeshError> {
         let is_mixed = self.blocks.len() > 1 || self.kinds().any(|kind| matches!(kind.shape(), CellShape::Wedge | CellShape::Pyramid));
         if !is_mixed || self.dimension() == 2 {

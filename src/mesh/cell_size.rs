@@ -11,7 +11,7 @@ pub enum CellSize<'a, E> {
 }
 
 impl<E: From<MeshError>> CellSize<'_, E> {
-    /// The length wanted at a point.
+    /// Cell size at a point.
     pub(super) fn at(&mut self, point: [f64; 2]) -> Result<f64, E> {
         let size = match self {
             CellSize::Even(size) => *size,

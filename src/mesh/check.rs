@@ -1,11 +1,11 @@
-//! Soundness of a mesh and quality of its cells.
+//! Validity of a mesh and quality of its cells.
 //!
-//! Soundness: a cell is refused when its Jacobian determinant is not positive at a quadrature point, since its integrals are
-//! meaningless then; nothing is turned round silently. Quality: the scaled Jacobian (P. Knupp, 2003; C. Stimpson et al., The Verdict
-//! Library Reference Manual, 2007, sections 4.13 and 6.12), the smallest over a cell's corners of the determinant of the edge vectors
-//! there, divided by their lengths: 1 for right angles, 0 for an angle of 180 degrees, negative beyond. Triangles and tetrahedra count from
-//! the equilateral one, wedges from the right prism over it, which has 1; of a pyramid the corners of the base are sampled. Unlike Verdict,
-//! the center of a hexahedron is not.
+//! Validity: a cell is refused if its Jacobian determinant is not positive at a quadrature point, because its integrals are then
+//! meaningless; cells are never reoriented silently. Quality: the scaled Jacobian (P. Knupp, 2003; C. Stimpson et al., The Verdict Library
+//! Reference Manual, 2007, sections 4.13 and 6.12), the smallest over the corners of a cell of the determinant of the edge vectors divided
+//! by their lengths: 1 for right angles, 0 for an angle of 180 degrees, negative beyond. Triangles and tetrahedra are relative to the
+//! equilateral cell, wedges to the right prism over an equilateral triangle; for pyramids the corners of the base are sampled. Unlike in
+//! Verdict, the center of a hexahedron is not sampled.
 
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
@@ -76,8 +76,8 @@ fn at_points(kind: CellKind, points: &[([f64; 3], f64)]) -> Vec<(f64, Gradients)
     points.iter().map(|&(xi, weight)| (weight, (kind.row().gradients)(xi))).collect()
 }
 
-/// Points of a quadrature that is exact for the volume of curved cells, also around an axis: those of the stiffness, which suffice but in
-/// cells of second order with triangles.
+/// Points of a quadrature that is exact for the volume of curved cells, also in axisymmetric bodies: those of the stiffness, except for
+/// second-order cells with triangular faces.
 fn exact_points(kind: CellKind) -> Vec<([f64; 3], f64)> {
     if kind.is_quadratic() && kind.shape().has_triangles() { kind.shape().mass_points() } else { (kind.row().quadrature)() }
 }
@@ -128,8 +128,8 @@ fn edge_length(from: [f64; 3], to: [f64; 3], middle: [f64; 3]) -> f64 {
     edge_points().into_iter().map(|(s, weight)| weight * slope(s)).sum()
 }
 
-/// Smallest scaled Jacobian of a triangle or tetrahedron with these corners: the determinant of the edges, the same at every corner, over
-/// the largest product of the lengths of edges that meet, relative to the equilateral cell.
+/// Smallest scaled Jacobian of a triangle or tetrahedron: the determinant of the edge vectors (equal at all corners) over the largest
+/// product of the lengths of edges that meet, relative to the equilateral cell.
 fn scaled_simplex(corners: &[[f64; 3]]) -> f64 {
     let edges = |k: usize| (0..corners.len()).filter(move |&other| other != k).map(move |other| between(corners[k], corners[other]));
     let largest = (0..corners.len()).map(|k| edges(k).map(norm).product::<f64>()).fold(0.0, f64::max);
@@ -142,10 +142,10 @@ fn scaled_simplex(corners: &[[f64; 3]]) -> f64 {
     if largest > 0.0 { size / (largest * equilateral) } else { 0.0 }
 }
 
-/// Determinant of the tangents at a corner, over their lengths.
+/// Determinant of the tangents at a corner, divided by their lengths.
 fn scaled_at(tangents: [[f64; 3]; 3]) -> f64 {
     let lengths: f64 = tangents.iter().map(|&t| norm(t)).product();
-    // an edge of no length leaves no angle
+    // an edge of zero length has no angle
     if lengths > 0.0 { determinant(tangents) / lengths } else { 0.0 }
 }
 
@@ -174,7 +174,7 @@ impl Mesh {
         self.blocks.iter().map(&mut of_block).sum()
     }
 
-    /// Volume of the body of revolution whose section the mesh is, turned about the second axis, by quadrature, exact for curved cells
+    /// Volume of the body of revolution about the second axis with this mesh as its section, by quadrature, exact for curved cells
     /// `[length^3]`.
     pub fn volume_of_revolution(&self) -> f64 {
         let mut places = Vec::new();
@@ -269,10 +269,10 @@ impl Mesh {
         quality
     }
 
-    /// Everything that keeps the mesh from being computed with: broken references, cells that name a node twice, that are inside out
-    /// or without extent, facets of more than two cells, nodes without cells. An empty list: the mesh is sound.
+    /// Defects that prevent computations with the mesh: broken references, cells with a repeated node, inverted or degenerate cells, facets
+    /// of more than two cells, nodes without cells. Empty for a valid mesh.
     ///
-    /// Each inside-out cell is listed with the number of all such cells. After a broken reference nothing else is looked at.
+    /// Each inverted cell is listed with the number of all such cells. Broken references end the check.
     pub fn defects(&self) -> Vec<MeshError> {
         let broken = self.broken_references();
         if !broken.is_empty() {
@@ -293,7 +293,7 @@ impl Mesh {
         defects
     }
 
-    /// The first of the defects, if there is any.
+    /// First defect, if any.
     ///
     /// # Errors
     /// As listed by [`Mesh::defects`].
@@ -301,7 +301,7 @@ impl Mesh {
         self.defects().into_iter().next().map_or(Ok(()), Err)
     }
 
-    /// Itself, when all coordinates are finite and all cells have a positive extent: what generators and transforms can spoil.
+    /// The mesh if all coordinates are finite and all cells have a positive volume, which generators and transforms can violate.
     pub(super) fn checked(self) -> Result<Mesh, MeshError> {
         match self.coordinate_defects().into_iter().chain(self.cell_defects()).next() {
             Some(defect) => Err(defect),
@@ -309,7 +309,7 @@ impl Mesh {
         }
     }
 
-    /// Nodes of cells, cells of facets, facets of cells, cells of parts that are not there.
+    /// References to missing nodes, cells and facets.
     fn broken_references(&self) -> Vec<MeshError> {
         let mut broken = Vec::new();
         let mut refer = |what, index, target: usize, count: usize| {
@@ -346,7 +346,7 @@ impl Mesh {
         infinite.map(|&value| MeshError::NotFinite { what: "a coordinate of a node", value }).collect()
     }
 
-    /// Cells that name a node twice, that are inside out or that have no extent, with their indices.
+    /// Cells with a repeated node, inverted cells and degenerate cells, with their indices.
     pub(super) fn cell_defects(&self) -> Vec<MeshError> {
         let mut defects = Vec::new();
         let mut inside_out = 0;
@@ -408,7 +408,7 @@ impl Mesh {
     }
 }
 
-/// A node that is there twice.
+/// A repeated node.
 pub(super) fn repeated<T: PartialEq + Copy>(nodes: &[T]) -> Option<T> {
     nodes.iter().enumerate().find(|(i, node)| nodes[..*i].contains(node)).map(|(_, &node)| node)
 }

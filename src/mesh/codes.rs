@@ -1,4 +1,4 @@
-//! Stable codes of what can be wrong with a mesh and with its file.
+//! Stable codes of errors of meshes and mesh files.
 
 use super::error::MeshError;
 use super::file_error::{FileError, FileProblem};
@@ -67,7 +67,7 @@ impl MeshError {
 }
 
 impl FileError {
-    /// The stable code of its problem, which `conserva doc` explains.
+    /// Stable code of the problem, which `conserva doc` explains.
     pub fn code(&self) -> &'static str {
         self.problem.code()
     }

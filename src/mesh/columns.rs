@@ -1,10 +1,10 @@
-//! Strips of thin cells along boundaries of a region, and the remaining region inside of them.
+//! Strips of thin cells along boundaries of a region, and the remaining region.
 //!
-//! From every vertex of a layered stretch of the rim a *column* goes into the body, straight, with a node at each level; two columns that
-//! follow each other bound a stack of cells. Along a stretch columns are normal to it. At a corner between two layered curves there is one
-//! column on the bisector, and beside it columns lean evenly, so that none of them crosses another. Where the curve that follows has no
-//! layers, the last column runs along it or, where the outline goes on nearly straight, ends within the body. The inner ends of the
-//! columns, the *front*, are the rim of the rest.
+//! From every vertex of a layered stretch of the rim a straight *column* goes into the body, with a node at each level; two consecutive
+//! columns bound a stack of cells. Along a stretch columns are normal to it. At a corner between two layered curves there is one column on
+//! the bisector; the columns beside it are inclined gradually, so that columns do not cross. If the following curve has no layers, the last
+//! column runs along it or, if the outline continues nearly straight, ends within the body. The inner ends of the columns, the *front*, are
+//! part of the rim of the remaining region.
 
 use std::f64::consts::PI;
 
@@ -31,7 +31,7 @@ const NARROW: f64 = 0.1;
 /// Remaining share of a cut rim segment below which the rest is added to the neighboring segment.
 const REST: f64 = 0.4;
 
-/// Reason for which no columns exist.
+/// Reason why there are no valid columns.
 enum Trouble {
     /// Columns or fronts meet each other or the rim.
     Collision(Point),
@@ -45,7 +45,7 @@ impl From<MeshError> for Trouble {
     }
 }
 
-/// Layers along the pieces of the rim that have one of their names; stacks stand on halves of pieces where `halves` is 2, else on pieces.
+/// Layers along the pieces of the rim with one of their names; stacks stand on halves of pieces if `halves` is 2, else on pieces.
 ///
 /// # Errors
 /// Layers that leave no room, corners that are too sharp, an odd number of layers that end within the body of quadrilaterals.
@@ -80,7 +80,7 @@ fn unit(a: Point) -> Point {
     [a[0] / length, a[1] / length]
 }
 
-/// The direction turned left by a right angle.
+/// Direction rotated by a right angle to the left.
 fn left([x, y]: Point) -> Point {
     [-y, x]
 }
@@ -90,7 +90,7 @@ fn turn(from: Point, to: Point) -> f64 {
     cross(from, to).atan2(dot(from, to))
 }
 
-/// Layers on their way round the rim.
+/// Construction of layers along the rim.
 struct Growth<'a> {
     rim: &'a Rim,
     names: String,
@@ -118,7 +118,7 @@ impl Growth<'_> {
         Ok(layered)
     }
 
-    /// The strips of one loop, and its part of the rim of the rest.
+    /// Adds the strips of one loop, and its part of the rim of the remaining region.
     fn round(&self, pieces: &[usize], is_layered: &impl Fn(usize) -> bool, layered: &mut Layered) -> Result<(), Trouble> {
         let first = layered.rest.vertices.len();
         let begins = |k: usize| is_layered(pieces[k]) && !is_layered(pieces[(k + pieces.len() - 1) % pieces.len()]);
@@ -133,7 +133,7 @@ impl Growth<'_> {
             return Ok(());
         };
         let turned: Vec<usize> = (0..pieces.len()).map(|k| pieces[(start + k) % pieces.len()]).collect();
-        // stretches with layers and the gaps behind them, in turn
+        // stretches with layers and the gaps after them, alternately
         let stretches: Vec<&[usize]> = turned.chunk_by(|a, b| is_layered(*a) == is_layered(*b)).collect();
         let mut gaps: Vec<Vec<CurveSegment>> =
             stretches.chunks(2).map(|pair| pair[1].iter().map(|&piece| self.rim.pieces[piece]).collect()).collect();
@@ -143,7 +143,7 @@ impl Growth<'_> {
             let before = (number + gaps.len() - 1) % gaps.len();
             let last = base.len() - 1;
             let start = self.end(&mut gaps[before], base[0], minus(base[1], base[0]), |point| point)?;
-            // seen backwards, the body is on the right: mirrored in the x axis it is on the left again
+            // backwards the body is on the right; a reflection in the x axis moves it to the left
             let mut behind: Vec<CurveSegment> = gaps[number].iter().rev().map(|&(curve, [from, to])| (curve, [to, from])).collect();
             let end = self.end(&mut behind, base[last], minus(base[last - 1], base[last]), |[x, y]| [x, -y])?;
             gaps[number] = behind.into_iter().rev().map(|(curve, [from, to])| (curve, [to, from])).collect();
@@ -172,7 +172,7 @@ impl Growth<'_> {
         base
     }
 
-    /// The pieces of curves that stacks stand on.
+    /// Pieces of curves at the feet of stacks.
     fn stands(&self, pieces: &[usize]) -> Vec<CurveSegment> {
         let halves = self.halves as f64;
         let part = |piece: &usize| {
@@ -185,8 +185,8 @@ impl Growth<'_> {
         pieces.iter().flat_map(part).collect()
     }
 
-    /// The column at the start of a strip that stands in the point `foot` and goes off in a direction, with what comes before it, whose
-    /// pieces it shortens where it runs along them. All is seen as `seen` does, so that the body is on the left.
+    /// Column at the start of a strip with the foot point `foot` and a direction, and the preceding gap, whose pieces are shortened if the
+    /// column runs along them. All points are transformed by `seen`, so that the body is on the left.
     fn end(&self, gap: &mut Vec<CurveSegment>, foot: Point, ahead: Point, seen: impl Fn(Point) -> Point) -> Result<End, Trouble> {
         let Some(&(curve, [from, to])) = gap.last() else { return Err(Trouble::Collision(foot)) };
         let near = self.rim.curves[curve].at(to + (from - to) / 64.0);
@@ -203,7 +203,7 @@ impl Growth<'_> {
             let column = self.levels.iter().map(|level| seen([0, 1].map(|i| here[i] + level * normal[i])));
             return Ok(End { column: column.collect(), along: None });
         }
-        // backwards along the curve, as far as it goes in this gap
+        // backwards along the curve, as far as it extends in this gap
         let own = gap.iter().rev().take_while(|piece| piece.0 == curve);
         let far = own.map(|piece| piece.1[0]).last().unwrap_or(from);
         let height = |t: f64| dot(normal, minus(seen(self.rim.curves[curve].at(t)), here));
@@ -230,7 +230,7 @@ impl Growth<'_> {
 
     fn closed(&self, pieces: &[usize]) -> Result<Strip, Trouble> {
         let count = pieces.len();
-        // begun at a corner, if there is one, so that stretches between corners are whole
+        // begins at a corner if there is one, so that stretches between corners are not divided
         let is_corner = |k: usize| {
             let before = pieces[(k + count - 1) % count];
             self.rim.pieces[before].0 != self.rim.pieces[pieces[k]].0 && {
@@ -255,7 +255,7 @@ impl Growth<'_> {
         Strip { columns, nodes, pieces: self.stands(pieces), along, is_closed }
     }
 
-    /// Columns on a stretch with these ends; without ends it is closed.
+    /// Columns on a stretch with given end columns; a stretch without ends is closed.
     fn columns(&self, base: &[Point], stands: &[CurveSegment], ends: Option<[Vec<Point>; 2]>) -> Result<Vec<Vec<Point>>, Trouble> {
         let (count, thickness) = (base.len() - 1, self.levels[self.levels.len() - 1]);
         let ahead: Vec<Point> = base.windows(2).map(|pair| unit(minus(pair[1], pair[0]))).collect();
@@ -264,7 +264,7 @@ impl Growth<'_> {
         let before = |column: usize| (column + count - 1) % count;
         let turned = |column: usize| if is_end(column) { 0.0 } else { turn(ahead[before(column)], ahead[column % count]) };
         let is_corner = |column: usize| stands[before(column)].0 != stands[column % count].0 && turned(column).abs() > CORNER;
-        // shifts at both ends of each stretch between corners, over the thickness, positive where it becomes shorter
+        // shifts at both ends of each stretch between corners, over the thickness, positive if the stretch becomes shorter
         let breaks: Vec<usize> = (0..=count).filter(|&column| column == 0 || column == count || is_corner(column)).collect();
         let mut leaning = vec![0.0; count + 1];
         for pair in breaks.windows(2) {
@@ -312,7 +312,7 @@ impl Growth<'_> {
         Ok(columns)
     }
 
-    /// Checks that no column and no front crosses another one or the rim.
+    /// Checks that columns and fronts cross neither one another nor the rim.
     fn apart(&self, layered: &Layered) -> Result<(), Trouble> {
         let (mut lines, front) = (Lines::default(), layered.rest.front());
         for strip in &layered.strips {
@@ -333,7 +333,7 @@ impl Growth<'_> {
     }
 }
 
-/// Lines that may meet at their ends only.
+/// Line segments that may meet only at their ends.
 #[derive(Default)]
 struct Lines(ConstrainedDelaunayTriangulation<Point2<f64>>);
 
@@ -387,7 +387,7 @@ mod tests {
         Layers { boundaries: names.iter().map(|name| name.to_string()).collect(), first, count, growth, along: None }
     }
 
-    /// Sound, its hull named once by the loops, and of the area that the facets bound.
+    /// Asserts that a mesh is valid, that the loops name its hull exactly once, and that its area is that enclosed by the facets.
     fn is_whole(mesh: &Mesh) {
         assert_eq!(mesh.defects(), []);
         let mut named: Vec<Facet> = Vec::new();
@@ -416,7 +416,7 @@ mod tests {
         vec![Side { curve: Curve::circle([0.0, 0.0], radius).unwrap(), name: Some(name.into()) }]
     }
 
-    /// Distances from the origin of all nodes, each once.
+    /// Distances of all nodes from the origin, each distance once.
     fn radii(mesh: &Mesh) -> Vec<f64> {
         let mut radii: Vec<f64> = mesh.points.iter().map(|p| p[0].hypot(p[1])).collect();
         radii.sort_by(f64::total_cmp);
@@ -430,7 +430,7 @@ mod tests {
             let size = CellSize::<MeshError>::Even(0.2);
             let mesh = layered_region(&circle(1.0, "rim"), &[circle(0.4, "bore")], size, kind, Some(&layers)).unwrap();
             is_whole(&mesh);
-            // corners of the first levels stand on circles whose distance is the layer's but for the chords' cosine
+            // corners of the first levels lie on circles at the distance of the layer, up to the cosine of half a chord
             for level in [0.002, 0.005, 0.0095] {
                 for radius in [0.4 + level, 1.0 - level] {
                     let near = radii(&mesh).iter().filter(|r| (*r - radius).abs() < 0.03 * level).count();

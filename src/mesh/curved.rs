@@ -11,14 +11,14 @@ use crate::math::tolerances::SAME_PLACE;
 pub enum Round {
     /// Every edge is part of a circle or of a ray about this center `[length]`: a ring; in space about an axis along z: a tube.
     About([f64; 2]),
-    /// Edges whose ends are both on the circle of this center and radius `[length]` are part of it: a disk; in space a cylinder along z.
+    /// Edges with both ends on the circle of this center and radius `[length]` are part of the circle: a disk; in space a cylinder along z.
     On([f64; 2], f64),
     /// Every edge is part of a sphere or of a ray about this center `[length]`: a hollow sphere.
     AboutPoint([f64; 3]),
-    /// Edges whose ends are both as far as the radius from the block between two corners are on the surface there `[length]`: a rounded
-    /// block; a sphere where both are its center.
+    /// Edges with both ends at the distance `radius` from the block between two corners lie on the surface at this distance `[length]`: a
+    /// rounded block; a sphere if both corners are its center.
     OnBlock([[f64; 3]; 2], f64),
-    /// Every edge goes round the axis along z through a center, and is on the ring if both ends are: its radius, that of its section
+    /// Edges around the axis along z through a center; they lie on the torus if both ends do: center, ring radius and section radius
     /// `[length]`.
     Ring([f64; 3], [f64; 2]),
 }
@@ -82,16 +82,16 @@ impl Mesh {
     /// [`Mesh::with_cells`] with the mid-side nodes of second-order cells on the exact curves of their edges.
     ///
     /// # Errors
-    /// Errors of [`Mesh::with_cells`]; cells so coarse that they are inside out then.
+    /// Errors of [`Mesh::with_cells`]; cells so coarse that they are inverted.
     pub fn with_round_cells(&self, kind: CellKind, round: Round) -> Result<Mesh, MeshError> {
         self.with_cells(kind)?.curved(|_, ends| round.middle(ends))
     }
 
-    /// The mesh with middle nodes of edges where `middle` puts them, given the nodes at the ends of an edge and their places; what stands
-    /// within faces and cells follows as in cells that have nodes on their edges alone.
+    /// Mesh with the mid-side nodes of edges at the positions of `middle`, given the end nodes of an edge and their positions; nodes in
+    /// faces and centers follow as in cells with nodes on edges only.
     ///
     /// # Errors
-    /// Cells that are inside out then.
+    /// Cells that are inverted by the new positions.
     pub(super) fn curved(mut self, middle: impl Fn([u32; 2], [[f64; 3]; 2]) -> Option<[f64; 3]>) -> Result<Mesh, MeshError> {
         if !self.is_quadratic() {
             return Ok(self);
@@ -112,7 +112,7 @@ impl Mesh {
         self.checked()
     }
 
-    /// Puts the nodes within the faces and in the center of a cell where cells without them have these places.
+    /// Moves the nodes in the faces and in the center of a cell to the positions that follow from its edges.
     fn center(&mut self, cell: usize) {
         let nodes = self.cell(cell).to_vec();
         let mean = |points: &[[f64; 3]], (corners, edges): (&[u32], &[u32]), by: f64| {
@@ -162,7 +162,7 @@ mod tests {
                     assert_eq!(mesh.boundaries.len(), make(n).boundaries.len());
                     (mesh.measure() - area).abs() / area
                 });
-                // half the size: a quarter of the error of chords, a sixteenth of that of parabolas
+                // half the size: a quarter of the error with chords, a sixteenth with parabolas
                 let rate = (errors[0] / errors[1]).log2();
                 let expected = if kind.is_quadratic() { 4.0 } else { 2.0 };
                 assert!((rate - expected).abs() < 0.2, "{name} {kind:?}: {errors:?}, order {rate}");

@@ -1,7 +1,7 @@
-//! Curves that bound a region: lines, circular arcs, cubic splines; and how they are divided into pieces.
+//! Curves that bound a region: lines, circular arcs, cubic splines; and their division into pieces.
 //!
-//! A spline is the natural cubic one over its chord lengths (C. de Boor, A Practical Guide to Splines, 1978, chapter IV): two times
-//! continuously differentiable, straight at its ends. One that ends where it began is periodic, without a corner there.
+//! A spline is the natural cubic one over its chord lengths (C. de Boor, A Practical Guide to Splines, 1978, chapter IV): twice
+//! continuously differentiable, with zero curvature at its ends. A closed spline is periodic, without a corner.
 
 use std::f64::consts::{PI, TAU};
 
@@ -11,7 +11,7 @@ use crate::math::tolerances::{ON_CIRCLE, SUM_OF_LENGTHS};
 
 type Point = [f64; 2];
 
-/// Most pieces of one side: with as many, any region but a thin strip has more cells than a mesh may have.
+/// Largest number of pieces of a side: with more, any region but a thin strip exceeds the largest number of cells.
 pub(super) const SIDE_LIMIT: usize = 100_000;
 
 /// A curve of an outline or a hole.
@@ -19,7 +19,7 @@ pub(super) const SIDE_LIMIT: usize = 100_000;
 pub struct Side {
     /// Shape of the side.
     pub curve: Curve,
-    /// The boundary that it belongs to besides `outer`, or that of its hole.
+    /// Name of the boundary of the side, in addition to `outer` or the boundary of its hole.
     pub name: Option<String>,
 }
 
@@ -48,7 +48,7 @@ pub enum Curve {
     },
     /// A cubic spline.
     Spline {
-        /// The points that it goes through `[length]`.
+        /// Interpolated points `[length]`.
         points: Vec<[f64; 2]>,
         /// Chord lengths from the first point on.
         knots: Vec<f64>,
@@ -78,8 +78,8 @@ impl Curve {
         Ok(Curve::Line { from, to })
     }
 
-    /// An arc about a center. Its end is where the circle meets the direction to `to`, which must lie on the circle but for a part in a
-    /// thousand of the radius; a curve that ends where it begins is a full circle.
+    /// Arc about a center. Its end is the intersection of the circle with the direction to `to`, which must lie on the circle up to a
+    /// thousandth of the radius; if start and end coincide it is a full circle.
     ///
     /// # Errors
     /// Coordinates that are not finite, a center at the start, an end that is not on the circle.
@@ -116,7 +116,7 @@ impl Curve {
         if !center.iter().all(|x| x.is_finite()) {
             return Err(MeshError::StraightArc);
         }
-        // the middle point lies to the right of the chord of an arc that goes counter-clockwise
+        // the point `through` lies to the right of the chord of a counter-clockwise arc
         Curve::arc(from, to, center, twice < 0.0)
     }
 
@@ -131,7 +131,7 @@ impl Curve {
         Ok(Curve::Arc { center, radius, start: 0.0, sweep: TAU, ends: [start, start] })
     }
 
-    /// A smooth curve through points, of which two that follow each other differ; closed without a corner when it ends where it began.
+    /// Smooth curve through points, of which consecutive ones must differ; closed without a corner if it ends at its start.
     ///
     /// # Errors
     /// Fewer than 2 points (closed: 4), coordinates that are not finite, points that coincide.
@@ -152,7 +152,7 @@ impl Curve {
         Ok(Curve::Spline { points, knots, bends })
     }
 
-    /// The point of a parameter.
+    /// Point at a parameter.
     pub fn at(&self, t: f64) -> [f64; 2] {
         match self {
             Curve::Line { from, to } => [0, 1].map(|i| from[i] * (1.0 - t) + to[i] * t),
@@ -187,7 +187,7 @@ impl Curve {
         self.at(1.0)
     }
 
-    /// Fewest pieces that still look like it: an eighth of a circle each, and two between the points of a spline.
+    /// Smallest number of pieces that represent the shape: an eighth of a circle each, and two between the points of a spline.
     fn fewest(&self) -> usize {
         match self {
             Curve::Line { .. } => 1,
@@ -196,12 +196,12 @@ impl Curve {
         }
     }
 
-    /// Parameters of the ends of pieces whose lengths are about `size` there, from 0 to 1; at most `limit` pieces.
+    /// Parameters of the ends of pieces with lengths of about `size`, from 0 to 1; at most `limit` pieces.
     ///
     /// # Errors
     /// An error of `size`; more pieces than the limit.
     pub fn divided<E: From<MeshError>>(&self, mut size: impl FnMut([f64; 2]) -> Result<f64, E>, limit: usize) -> Result<Vec<f64>, E> {
-        // fine enough for the length of an arc to a part in a million, and not to miss where a size is small
+        // sufficient for the length of an arc to a millionth, and to find places with a small size
         const SAMPLES: usize = 1024;
         let mut wanted = vec![0.0];
         let mut before = self.at(0.0);
@@ -216,7 +216,7 @@ impl Curve {
         if whole.is_nan() || whole >= limit as f64 {
             return Err(MeshError::TooManyCells { cells: whole as usize, limit }.into());
         }
-        // round-off of the sum must not make one piece more
+        // round-off of the sum must not add a piece
         let pieces = ((whole * (1.0 - SUM_OF_LENGTHS)).ceil() as usize).max(self.fewest());
         let mut places = vec![0.0];
         let mut sample = 0;
@@ -252,7 +252,7 @@ fn row(points: &[Point], chords: &[f64], before: usize, here: usize, after: usiz
     ([h / 6.0, (h + g) / 3.0, g / 6.0], right)
 }
 
-/// Elimination from the first row to the last; the matrix is dominated by its diagonal.
+/// Gaussian elimination from the first row to the last; the matrix is diagonally dominant.
 fn tridiagonal(mut rows: Vec<Row>) -> Vec<Point> {
     for k in 1..rows.len() {
         let ([_, diagonal, above], right) = rows[k - 1];
@@ -270,7 +270,7 @@ fn tridiagonal(mut rows: Vec<Row>) -> Vec<Point> {
     solution
 }
 
-/// Second derivatives of the spline that closes smoothly: the corner entries of the matrix by J. Sherman and W. Morrison, 1950.
+/// Second derivatives of the periodic spline, with the corner entries of the matrix by the Sherman-Morrison formula (1950).
 fn periodic_bends(points: &[Point], chords: &[f64]) -> Vec<Point> {
     let count = points.len() - 1;
     let around = |k: usize| if k == 0 { count - 1 } else { k - 1 };
@@ -341,7 +341,7 @@ mod tests {
         assert!(worst < 2e-5, "{worst}");
         let (before, after) = (circle.at(1.0 - 1e-6), circle.at(1e-6));
         assert!((before[0] - after[0]).abs() < 1e-9 && (before[1] + after[1]).abs() < 1e-9, "{before:?} {after:?}");
-        // a straight line stays one
+        // a straight line stays straight
         let line = Curve::spline(vec![[0.0, 0.0], [1.0, 1.0], [3.0, 3.0]]).unwrap();
         assert!((0..100).map(|k| line.at(f64::from(k) / 100.0)).all(|[x, y]| (x - y).abs() < 1e-15));
         assert!(matches!(Curve::spline(vec![[0.0, 0.0]]), Err(MeshError::FewPoints { .. })));

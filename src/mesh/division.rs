@@ -1,8 +1,8 @@
-//! Cells cut into other cells: refinement, and cells of another kind.
+//! Division of cells into other cells: refinement, and conversion to another kind.
 //!
-//! A *template* gives the positions of the children's nodes on the reference cell. A node is identified by the weights of the corners of
-//! the cell, which are equal for two cells that share a facet, so that meshes stay conforming without a table of edges. A facet of a child
-//! belongs to the parent's facet on which it lies; boundaries and parts follow.
+//! A *template* gives the positions of the nodes of the children on the reference cell. A node is identified by the weights of the corners
+//! of the cell, which are equal for two cells that share a facet, so that meshes stay conforming without a table of edges. A facet of a
+//! child belongs to the parent's facet on which it lies; boundaries and parts follow.
 
 use std::collections::HashMap;
 
@@ -45,10 +45,10 @@ impl Division<'_> {
     }
 }
 
-/// The corners that a node stands between, and their weights in 64ths; the unused rest is the same for all.
+/// Corners with nonzero weights of a node and the weights in 64ths; unused entries are equal.
 type NodeKey = [(u32, u8); 8];
 
-/// Weights of the corners of a reference cell at a place.
+/// Weights of the corners of a reference cell at a point.
 fn corner_weights(shape: CellShape, place: Place) -> Vec<f64> {
     let linear = match shape {
         CellShape::Triangle => CellKind::Tri3,
@@ -71,13 +71,13 @@ fn key(cell: &[u32], weights: &[f64]) -> NodeKey {
     key
 }
 
-/// The place half way between two.
+/// Midpoint of two points.
 pub(super) fn mean(a: Place, b: Place) -> Place {
     [0, 1, 2].map(|i| 0.5 * (a[i] + b[i]))
 }
 
 impl Template {
-    /// Children of a kind with these corners, in a parent of a kind.
+    /// Template with children of a kind with these corners, in a parent of a kind.
     fn new(parent: CellKind, child: CellKind, corners: &[Vec<Place>]) -> Template {
         let (shape, row) = (child.shape(), child.row());
         let node = |corners: &[Place], place: Place| {
@@ -88,7 +88,7 @@ impl Template {
         Template::of(parent, child, children)
     }
 
-    /// Children of a kind with nodes at these places, in a parent of a kind.
+    /// Template with children of a kind with nodes at these points, in a parent of a kind.
     fn of(parent: CellKind, child: CellKind, children: Vec<Vec<Place>>) -> Template {
         let shape = child.shape();
         let weights = |place: Place| corner_weights(parent.shape(), place);
@@ -128,7 +128,7 @@ pub(super) fn halves(kind: CellKind) -> Vec<Vec<Place>> {
     match kind.shape() {
         CellShape::Triangle => children.push(vec![middle(1, 2), middle(2, 0), middle(0, 1)]),
         CellShape::Tetrahedron => {
-            // The octahedron that is left, cut along the line between the middles of 0-2 and 1-3.
+            // The remaining octahedron, divided along the line between the midpoints of 0-2 and 1-3.
             let around = [middle(0, 1), middle(1, 2), middle(2, 3), middle(0, 3)];
             for k in 0..4 {
                 children.push(turned_out(vec![middle(0, 2), middle(1, 3), around[k], around[(k + 1) % 4]]));
@@ -145,7 +145,7 @@ pub(super) fn halves(kind: CellKind) -> Vec<Vec<Place>> {
     children
 }
 
-/// A tetrahedron whose volume is positive.
+/// Tetrahedron reordered to a positive volume.
 fn turned_out(mut corners: Vec<Place>) -> Vec<Place> {
     let edge = |k: usize| between(corners[0], corners[k]);
     if determinant([edge(1), edge(2), edge(3)]) < 0.0 {
@@ -154,8 +154,8 @@ fn turned_out(mut corners: Vec<Place>) -> Vec<Place> {
     corners
 }
 
-/// Tetrahedra of a hexahedron: the cone from corner `apex` over the three facets that it is not on, each cut from its first corner or,
-/// where its bit of `turned` is set, from its second one.
+/// Tetrahedra of a hexahedron: the cone from the corner `apex` over the three opposite facets, each divided from its first corner or, if
+/// its bit of `turned` is set, from its second one.
 fn cone(apex: usize, turned: usize) -> Vec<Vec<Place>> {
     let places = corners(CellKind::Hex8);
     let away = CellKind::Hex8.facets().iter().filter(|facet| !facet.contains(&apex));
@@ -167,7 +167,7 @@ fn cone(apex: usize, turned: usize) -> Vec<Vec<Place>> {
     cut.map(|triangle| turned_out(vec![places[apex], places[triangle[0]], places[triangle[1]], places[triangle[2]]])).collect()
 }
 
-/// Index of the [`cone`] that cuts every facet from its smallest node, so that neighbors agree.
+/// Index of the [`cone`] that divides every facet from its smallest node, so that neighbors agree.
 fn cone_of(cell: &[u32]) -> usize {
     let apex = (0..8).min_by_key(|&corner| cell[corner]).unwrap_or_default();
     let away = CellKind::Hex8.facets().iter().filter(|facet| !facet.contains(&apex));
@@ -179,14 +179,13 @@ fn cone_of(cell: &[u32]) -> usize {
 }
 
 impl Mesh {
-    /// The mesh with every cell cut at the middles of its edges: quadrilaterals and triangles into 4, hexahedra, tetrahedra and wedges
-    /// into 8; boundaries and parts kept. It covers the same set of points: curved boundaries that the coarse mesh cut off are not
-    /// recovered.
+    /// Uniform refinement: every cell is divided at the midpoints of its edges, quadrilaterals and triangles into 4, hexahedra, tetrahedra
+    /// and wedges into 8; boundaries and parts are kept. The mesh covers the same set of points: nodes are not moved to curved boundaries.
     ///
-    /// Old nodes keep their numbers. The children of a cell follow each other, first those at its corners in their order.
+    /// Old nodes keep their numbers. The children of a cell are consecutive, first those at its corners in their order.
     ///
     /// # Errors
-    /// Pyramids, whose halves are no pyramids alone; more cells than [`CELL_LIMIT`](crate::mesh::CELL_LIMIT).
+    /// Pyramids, which cannot be divided into pyramids alone; more cells than [`CELL_LIMIT`](crate::mesh::CELL_LIMIT).
     pub fn refine(&self) -> Result<Mesh, MeshError> {
         if let Some(kind) = self.kinds().find(|kind| kind.shape() == CellShape::Pyramid) {
             return Err(MeshError::NotRefined { kind: kind.name() });
@@ -195,16 +194,15 @@ impl Mesh {
         self.divided(&self.kinds().map(halved).collect::<Vec<_>>())
     }
 
-    /// The mesh with cells of another kind on the same corners: first-order cells as second-order ones of their shape, `quad4` as `tri3` or
-    /// `tri6` (cut along the shorter diagonal), `hex8` as `tet4` or `tet10` (six each), `wedge6` or `wedge15` (two each, cut through the
-    /// first and second facet), `pyr5` or `pyr13` (six each, about the center). New nodes stand on straight edges. Old nodes keep their
-    /// numbers.
+    /// Mesh with cells of another kind on the same corners: first-order cells as second-order ones of their shape, `quad4` as `tri3` or
+    /// `tri6` (divided along the shorter diagonal), `hex8` as `tet4` or `tet10` (six each), `wedge6` or `wedge15` (two each, divided
+    /// through the first and second facet), `pyr5` or `pyr13` (six each, about the center). New nodes lie on straight edges. Old nodes keep
+    /// their numbers.
     ///
     /// In a mixed mesh, cells of other shapes become those of the same order.
     ///
     /// # Errors
-    /// Kinds that do not follow from one another, hexahedra whose wedges would not match, more cells than
-    /// [`CELL_LIMIT`](crate::mesh::CELL_LIMIT).
+    /// Kinds without such a conversion, hexahedra whose wedges would not match, more cells than [`CELL_LIMIT`](crate::mesh::CELL_LIMIT).
     pub fn with_cells(&self, kind: CellKind) -> Result<Mesh, MeshError> {
         if self.only_kind() == Some(kind) {
             return Ok(self.clone());
@@ -214,7 +212,7 @@ impl Mesh {
             let strange = self.kinds().find(|&from| self.target(from, kind).is_none());
             strange.map_or(MeshError::NoConversion { from: kind.name(), to: kind.name() }, refused)
         })?;
-        // By way of first-order cells: the middle of a diagonal stands on the straight diagonal, not at the place of the cell's centre.
+        // Via first-order cells: the midpoint of a diagonal lies on the straight diagonal, not at the center of the cell.
         let cut = self.kinds().zip(&targets).find(|(from, target)| from.shape() != target.shape() && target.is_quadratic());
         if let Some((_, target)) = cut {
             let linear = CellKind::ALL.iter().find(|kind| kind.shape() == target.shape() && kind.is_first_order());
@@ -225,7 +223,7 @@ impl Mesh {
         mesh.unmatched().map_or(Ok(mesh), Err)
     }
 
-    /// Kind that cells of a kind become where a mesh is made one of another kind; `None` if they cannot.
+    /// Kind of the cells after a conversion of the mesh to `kind`; `None` if there is none.
     fn target(&self, from: CellKind, kind: CellKind) -> Option<CellKind> {
         let is_finer = |to: CellKind| from == to || from.is_first_order();
         if from.shape() == kind.shape() {
@@ -278,7 +276,7 @@ impl Mesh {
         })
     }
 
-    /// The mesh with the cells of each block divided by the template that is chosen for them.
+    /// Mesh in which the cells of each block are divided by the chosen templates.
     fn divided(&self, divisions: &[Division]) -> Result<Mesh, MeshError> {
         let most = |division: &Division| division.templates.iter().map(|template| template.children.len()).max().unwrap_or_default();
         let counted = self.blocks.iter().zip(divisions).map(|(block, division)| block.count().saturating_mul(most(division)));
@@ -342,7 +340,7 @@ mod tests {
     use super::*;
     use crate::mesh::{block, rectangle, ring};
 
-    /// Same measure, same boundaries, conforming: the hull is the boundaries.
+    /// Asserts equal measures and boundaries, and that the mesh is conforming: its hull consists of the boundaries.
     fn same(mesh: &Mesh, other: &Mesh) {
         let what = format!("{} as {}", mesh.kind_names(), other.kind_names());
         assert_eq!(other.defects(), [], "{what}");
@@ -350,7 +348,7 @@ mod tests {
         let mut named: Vec<Facet> = Vec::new();
         for (boundary, divided) in mesh.boundaries.iter().zip(&other.boundaries) {
             let (before, after) = (mesh.boundary_measure(boundary), other.boundary_measure(divided));
-            // The area of a warped facet is no polynomial: more points see it better.
+            // The area of a warped facet is not a polynomial: more points are more accurate.
             let is_alike = mesh.only_kind() == other.only_kind() && mesh.blocks.iter().all(|block| !block.kind.shape().has_triangles());
             let allowed = if mesh.dimension() == 2 || is_alike { 1e-12 } else { 1e-8 };
             assert!((before - after).abs() < allowed * before, "{what}: {} {before} {after}", boundary.name);
@@ -377,7 +375,7 @@ mod tests {
         let mut solid = block([3.0, 1.0, 2.0], [3, 2, 2], [0.0; 3]).unwrap();
         same(&solid, &solid.refine().unwrap());
         for point in &mut solid.points {
-            // Numbers in another order make other diagonals.
+            // Another order of the numbers gives other diagonals.
             point[0] += 0.05 * point[1] * point[2];
         }
         let last = solid.points.len() as u32 - 1;
@@ -403,7 +401,7 @@ mod tests {
             }
             let tets = solid.with_cells(Tet4).unwrap();
             assert_eq!(tets.cell_count(), 6 * 12);
-            // Facets of hexahedra that are not plane are cut into plane triangles.
+            // Warped facets of hexahedra are divided into plane triangles.
             let (hull, named) = (tets.hull().len(), tets.boundaries.iter().map(|b| b.facets.len()).sum::<usize>());
             assert_eq!((hull, named, tets.defects()), (named, hull, Vec::new()));
             same(&tets, &tets.refine().unwrap());

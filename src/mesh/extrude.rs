@@ -1,4 +1,4 @@
-//! A plane mesh drawn out into space: along z or along a path, turned and scaled on the way, or towards another plane mesh.
+//! Extrusion of a plane mesh: along z or along a path, with twist and scale, or as a loft towards another plane mesh.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -15,15 +15,15 @@ pub struct Change {
     pub twist: f64,
     /// Ratios of the sizes along x and y at the end to those at the start, about the origin of the plane.
     pub scale: [f64; 2],
-    /// Cells over triangles; beside quadrilaterals they are always wedges.
+    /// Solid cells over triangles; beside quadrilaterals these are always wedges.
     pub prisms: Prisms,
 }
 
 impl Change {
-    /// A section that stays as it is.
+    /// Extrusion without twist and scale.
     pub const NONE: Change = Change { twist: 0.0, scale: [1.0; 2], prisms: Prisms::Cut };
 
-    /// Returns the change if it is valid for a number of layers: a layer that turns by more than a right angle would be pinched in its
+    /// Returns the change if it is valid for a number of layers: a layer with a twist of more than a right angle would be pinched in its
     /// middle.
     fn checked(self, direction: &'static str, layers: usize) -> Result<Change, MeshError> {
         self.scale.into_iter().try_for_each(|scale| positive("the scale of an extrusion", scale))?;
@@ -35,7 +35,7 @@ impl Change {
         Ok(self)
     }
 
-    /// Position of a point of the section in its plane after a share of the extrusion.
+    /// Position of a point of the section in its plane after a fraction of the extrusion.
     fn at(self, share: f64, [x, y, _]: [f64; 3]) -> [f64; 2] {
         let grown = |scale: f64| 1.0 - share + scale * share;
         let (x, y) = (x * grown(self.scale[0]), y * grown(self.scale[1]));
@@ -45,10 +45,10 @@ impl Change {
 }
 
 impl Mesh {
-    /// The plane mesh drawn out along z from 0 to `height` `[length]` in `layers` of hexahedra, or of prisms cut into three tetrahedra
-    /// each, of which the last is `grading` times the first: quad4 as hex8, quad8 as hex20, quad9 as hex27, tri3 as tet4, tri6 as tet10.
-    /// Triangles become wedges where `change` says so and beside quadrilaterals. Boundaries of the plane mesh become sides; `bottom`
-    /// and `top` are added (with an underscore appended if the plane mesh has those names).
+    /// Extrusion along z from 0 to `height` `[length]` in `layers`, of which the last is `grading` times the first: quad4 as hex8, quad8 as
+    /// hex20, quad9 as hex27, tri3 as tet4, tri6 as tet10 (three tetrahedra in each prism). Triangles become wedges if `change` requires it
+    /// and beside quadrilaterals. Boundaries of the plane mesh become sides; `bottom` and `top` are added (with an underscore appended if
+    /// the plane mesh has boundaries of these names).
     ///
     /// # Errors
     /// Cells in space, a height, ratio or scale that is not positive, no layers, too many cells, a twist of too few layers.
@@ -63,16 +63,17 @@ impl Mesh {
         })
     }
 
-    /// The plane mesh drawn out along the path through these points `[length]`, a layer from each to the next; a path
-    /// that ends at its first point closes. The section stands across the path with the plane's origin on it, at the first point as the
-    /// plane is turned the shortest way to do so, and from there on does not turn about the path (a closed path spreads what
-    /// is left over its length). `bottom` is at the start of the path and `top` at its end.
+    /// Extrusion along the path through these points `[length]`, with a layer between consecutive points; a path that ends at its first
+    /// point closes. The section is normal to the path with the origin of its plane on the path. At the first point it is rotated from the
+    /// plane by the smallest rotation; from there on it does not rotate about the path (a closed path distributes the remaining angle over
+    /// its length). `bottom` is at the start of the path and `top` at its end.
     ///
-    /// The direction of the path at a point is that of the circle through it and its neighbors, so straight and round paths are exact.
+    /// The direction of the path at a point is that of the circle through it and its neighbors, so that straight and circular paths are
+    /// exact.
     ///
     /// # Errors
-    /// Errors of [`Mesh::extruded`]; a path of fewer than two points, that stands still, turns by more than 90 degrees at a point, or
-    /// bends so sharply that the section sweeps over itself; a section that changes along a closed path.
+    /// Errors of [`Mesh::extruded`]; a path of fewer than two points, with coincident points, with a turn of more than 90 degrees at a
+    /// point, or with bends so sharp that the section sweeps over itself; a section that changes along a closed path.
     pub fn extruded_along(&self, path: &[[f64; 3]], change: Change) -> Result<Mesh, MeshError> {
         let (frames, is_closed) = frames(path)?;
         let change = change.checked("along the path", path.len() - 1)?;
@@ -87,8 +88,8 @@ impl Mesh {
         })
     }
 
-    /// The solid between this plane mesh at z = 0 and another one of the same cells at `height` `[length]`: every node goes straight to
-    /// its counterpart, in `layers` of which the last is `grading` times the first, of the cells of an extrusion. Boundaries and parts are
+    /// Loft between this plane mesh at z = 0 and another one with the same cells at `height` `[length]`: every node moves straight to its
+    /// counterpart, in `layers` of which the last is `grading` times the first, with the cells of an extrusion. Boundaries and parts are
     /// those of this mesh, `bottom` and `top`.
     ///
     /// # Errors
@@ -110,7 +111,7 @@ impl Mesh {
     }
 }
 
-/// A way with two ends.
+/// Open sweep with two ends.
 fn straight(layers: usize) -> Sweep<'static> {
     Sweep { layers, is_closed: false, is_backward: false, ends: ["bottom", "top"], prisms: Prisms::Cut }
 }
@@ -167,7 +168,7 @@ mod tests {
             plane.boundaries.push(Boundary { name: "points".into(), facets: Vec::new(), nodes: vec![0, plane.cell(0)[4]] });
             let tube = plane.extruded(3.0, 2, 2.0, Change::NONE).unwrap();
             assert_eq!((tube.only_kind(), tube.defects()), (Some(solid), Vec::new()));
-            // three points for a triangle's curved area, four for the volume of a tetrahedron
+            // three points for the area of a curved triangle, four for the volume of a tetrahedron
             let allowed = if solid == CellKind::Tet10 { 2e-3 } else { 1e-13 };
             assert!((tube.measure() / (3.0 * plane.measure()) - 1.0).abs() < allowed, "{solid:?}: {}", tube.measure());
             for name in ["inner", "outer"] {

@@ -1,4 +1,4 @@
-//! Cells of first order inside a rim: triangles, or three quadrilaterals of each of them.
+//! Cells of first order inside a rim: triangles, or three quadrilaterals for each triangle.
 
 use std::collections::HashMap;
 
@@ -10,7 +10,7 @@ use crate::elements::CellKind;
 /// Boundary curve segment of an edge between two nodes, and the curve parameter of its mid-side node as a share of the segment.
 type RimEdges = HashMap<[u32; 2], (usize, f64)>;
 
-/// Places of the middles of edges, by their ends in ascending order.
+/// Positions of the midpoints of edges, by their end nodes in ascending order.
 pub(super) type PlacedEdges = HashMap<[u32; 2], [f64; 2]>;
 
 /// Cells inside a rim.
@@ -18,7 +18,7 @@ pub(super) struct FilledRegion {
     /// The cells, without boundaries.
     pub mesh: Mesh,
     edges: RimEdges,
-    /// Middles of edges that are not on the rim.
+    /// Midpoints of edges that are not on the rim.
     pub placed: PlacedEdges,
     /// Facets on each piece of the rim.
     pub along: HashMap<usize, Vec<Facet>>,
@@ -29,7 +29,7 @@ pub(super) struct FilledRegion {
 }
 
 impl FilledRegion {
-    /// The mesh of a kind with these boundaries, its middle nodes where they belong.
+    /// Mesh of a kind with these boundaries, with mid-side nodes on their curves.
     pub fn finished(self, rim: &Rim, boundaries: Vec<Boundary>, kind: CellKind) -> Result<Mesh, MeshError> {
         let mesh = Mesh { boundaries, ..self.mesh };
         let middle = |[a, b]: [u32; 2], _| {
@@ -41,13 +41,13 @@ impl FilledRegion {
     }
 }
 
-/// Cells of first order inside a rim, triangles where `factor` is 1, quadrilaterals else.
+/// Cells of first order inside a rim: triangles if `factor` is 1, otherwise quadrilaterals.
 pub(super) fn filled<E: From<MeshError>>(rim: &Rim, size: &mut CellSize<E>, factor: f64) -> Result<FilledRegion, E> {
     let triangles = triangulate(rim, size, factor)?;
     Ok(if factor == 1.0 { of_triangles(&triangles, rim) } else { quadrilaterals(&triangles, rim) })
 }
 
-/// The triangles themselves.
+/// Region of the triangles themselves.
 fn of_triangles(Triangles { vertices, triangles }: &Triangles, rim: &Rim) -> FilledRegion {
     let (mut along, mut edges) = (HashMap::new(), RimEdges::new());
     for (nodes, cell) in triangles.iter().zip(0..) {
@@ -65,7 +65,7 @@ fn of_triangles(Triangles { vertices, triangles }: &Triangles, rim: &Rim) -> Fil
     FilledRegion { mesh, edges, placed: PlacedEdges::new(), along, corners, middles: HashMap::new() }
 }
 
-/// Three cells of every triangle.
+/// Region with three quadrilaterals for every triangle.
 fn quadrilaterals(Triangles { vertices, triangles }: &Triangles, rim: &Rim) -> FilledRegion {
     let mut rim_edges = RimEdges::new();
     let mut points: Vec<[f64; 3]> = Vec::new();

@@ -1,7 +1,7 @@
 //! Structured meshes with straight sides: rectangle and block.
 //!
 //! Each is a grid of cells; the names of its boundaries are fixed. Plane boundaries are traversed with the body on the left, so that each
-//! facet begins where the one before it ends.
+//! facet begins at the end of the previous one.
 
 use super::grid::{at_least, boundary, graded, limited, positive};
 use super::{Facet, Mesh, MeshError};
@@ -237,7 +237,7 @@ mod tests {
             let middle = mesh.facet_nodes(arc.facets[around / 2]).map(|node| mesh.points[node as usize]).collect::<Vec<_>>();
             let length = (middle[1][0] - middle[0][0]).hypot(middle[1][1] - middle[0][1]);
             assert!(middle[0][0].abs() < ROUND_OFF, "the lowest point is a node");
-            // A chord of a facet that is short against the radius.
+            // The facet is short against the radius and therefore a chord.
             let expected = first.unwrap_or(2.0 * radius * (PI / 2.0 / around as f64).sin());
             assert!((length / expected - 1.0).abs() < 1e-5, "{length} {expected}");
         }
@@ -267,7 +267,7 @@ mod tests {
         assert!(matches!(rectangle([f64::NAN, 1.0], [1, 1], [0.0; 2]), Err(MeshError::NotPositive { .. })));
         assert!(matches!(rectangle([1.0, 1.0], [1, 1], [f64::INFINITY, 0.0]), Err(MeshError::NotFinite { .. })));
         assert!(matches!(block([1.0, 1.0, 0.0], [1; 3], [0.0; 3]), Err(MeshError::NotPositive { .. })));
-        // asking for more than fits in memory must not take the memory
+        // a request that exceeds the memory must not allocate it
         assert!(matches!(rectangle([1.0, 1.0], [usize::MAX, 7], [0.0; 2]), Err(MeshError::TooManyCells { cells: usize::MAX, .. })));
         assert!(matches!(block([1.0; 3], [1000, 1000, 1000], [0.0; 3]), Err(MeshError::TooManyCells { .. })));
         // so far from the origin that neighboring nodes round to the same point

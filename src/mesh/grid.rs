@@ -1,10 +1,10 @@
-//! Numbers that structured meshes are made of: where their grid lines are, and what counts and sizes must be.
+//! Grid lines, cell counts and sizes of structured meshes.
 
 use super::{Boundary, CELL_LIMIT, Facet, MeshError};
 use crate::machine::memory;
 
-/// `count + 1` numbers from 0 to 1, both met exactly, whose steps grow in geometric progression from `first / length`; even ones without
-/// a first step, or when even ones are smaller.
+/// `count + 1` numbers from 0 to 1, including both exactly, with steps in geometric progression from `first / length`; uniform without
+/// `first`, or if uniform steps are smaller.
 pub(super) fn progression(count: usize, length: f64, first: Option<f64>) -> Vec<f64> {
     let Some(first) = first.map(|first| first / length).filter(|first| first * (count as f64) < 1.0 && count > 1) else {
         return grid(count).collect();
@@ -25,7 +25,7 @@ pub(super) fn progression(count: usize, length: f64, first: Option<f64>) -> Vec<
     places
 }
 
-/// `count + 1` numbers from 0 to 1, both met exactly, whose steps grow in geometric progression; the last is `ratio` times the first.
+/// `count + 1` numbers from 0 to 1, including both exactly, with steps in geometric progression; the last step is `ratio` times the first.
 ///
 /// # Errors
 /// A ratio that is not positive, or so far from 1 that steps vanish.
@@ -51,7 +51,7 @@ pub(super) fn graded(count: usize, ratio: f64) -> Result<Vec<f64>, MeshError> {
     }
 }
 
-/// `count + 1` numbers from 0 to 1, both met exactly.
+/// `count + 1` uniform numbers from 0 to 1, including both exactly.
 pub(super) fn grid(count: usize) -> impl Iterator<Item = f64> {
     (0..=count).map(move |i| i as f64 / count as f64)
 }
@@ -73,13 +73,14 @@ pub(super) fn limited(cells: &[usize]) -> Result<(), MeshError> {
     room_for(total, STRUCTURED)
 }
 
-/// Bytes of a cell with its share of the nodes while a structured mesh is made (measured: 93 of a quad4, 170 of a hex8).
+/// Memory of a cell with its part of the nodes during the construction of a structured mesh (measured: 93 for a quad4, 170 for a hex8)
+/// `[bytes]`.
 const STRUCTURED: usize = 180;
 
 /// Bytes per cell of an unstructured mesh (measured: 180 for a quad4 in a region, where each triangle is split into three).
 pub(super) const UNSTRUCTURED: usize = 550;
 
-/// Refuses more cells than a mesh may have, or than fit into memory with so many bytes each.
+/// Refuses more cells than a mesh may have, or than fit into memory with `bytes` bytes each.
 pub(super) fn room_for(cells: usize, bytes: usize) -> Result<(), MeshError> {
     if cells > CELL_LIMIT {
         return Err(MeshError::TooManyCells { cells, limit: CELL_LIMIT });

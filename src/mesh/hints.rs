@@ -124,11 +124,11 @@ fn solid_inside_out(are_all: bool) -> String {
     }
 }
 
-/// The name that is written most like `name`, if one is similar.
+/// Most similar name, if any is similar.
 fn nearest_name<'a>(name: &str, available: &'a [String]) -> Option<&'a str> {
     let similarity = |other: &str| strsim::normalized_damerau_levenshtein(&name.to_lowercase(), &other.to_lowercase());
     let (best, near) = available.iter().map(|other| (similarity(other), other)).max_by(|a, b| a.0.total_cmp(&b.0))?;
-    // half of the letters agree: `body1` finds `body_1`, unrelated words find nothing
+    // at least half of the letters agree: `body1` finds `body_1`, unrelated words have no match
     (best >= 0.5).then_some(near.as_str())
 }
 

@@ -1,4 +1,4 @@
-//! Two meshes that share a side as one mesh.
+//! Union of two meshes with a common side.
 
 use std::collections::HashSet;
 

@@ -21,7 +21,7 @@ pub struct Layers {
     pub first: f64,
     /// Number of layers.
     pub count: usize,
-    /// Thickness of each layer over that of the one before it.
+    /// Ratio of the thicknesses of consecutive layers, from the boundary inward.
     pub growth: f64,
     /// Length of the cells along the boundary `[length]`, from which it grows to the size of the region's cells.
     pub along: Option<f64>,
@@ -44,7 +44,7 @@ impl Layers {
         self.levels()[self.count]
     }
 
-    /// Numbers that layers can be made of.
+    /// Checks the numbers of the layers.
     pub(super) fn check(&self) -> Result<(), MeshError> {
         positive("the thickness of the first layer", self.first)?;
         positive("the growth of layers", self.growth)?;

@@ -1,10 +1,10 @@
-//! Triangles refined where they are wanted smaller, without hanging nodes.
+//! Local refinement of triangles, without hanging nodes.
 //!
-//! A selected cell is cut at the middles of its edges into four similar ones. Cells with a hanging node are bisected, always across their
-//! longest edge, until none is left (M.-C. Rivara, Int. J. Numer. Meth. Engng. 20, 1984). Repeated bisection of a triangle across its
-//! longest edge makes finitely many shapes, without an angle below half the smallest of the first triangle (I. Rosenberg, F. Stenger, Math.
-//! Comp. 29, 1975); cutting into four makes no new shape. So refinement may be repeated without limit. No state besides the mesh is kept.
-//! Quadrilaterals and cells in space are not supported.
+//! A selected cell is divided at the midpoints of its edges into four similar ones. Cells with a hanging node are bisected across their
+//! longest edge until none is left (M.-C. Rivara, Int. J. Numer. Meth. Engng. 20, 1984). Repeated bisection of a triangle across its
+//! longest edge gives finitely many shapes, without an angle below half the smallest one of the first triangle (I. Rosenberg, F. Stenger,
+//! Math. Comp. 29, 1975); division into four gives no new shape. Refinement may therefore be repeated without limit. No state besides the
+//! mesh is kept. Quadrilaterals and cells in space are not supported.
 
 use std::collections::{HashMap, HashSet};
 
@@ -23,7 +23,7 @@ fn edge(a: u32, b: u32) -> Edge {
     [a.min(b), a.max(b)]
 }
 
-/// A piece of a cell of the old mesh: its corners, and where they are on the old cell's reference cell.
+/// Part of a cell of the old mesh: its corners, and their positions on the reference cell of the old cell.
 #[derive(Clone, Copy)]
 struct ChildCell {
     cell: u32,
@@ -31,18 +31,18 @@ struct ChildCell {
     places: [Place; 3],
 }
 
-/// The mesh on its way.
+/// Mesh during refinement.
 struct Refinement<'a> {
     old: &'a Mesh,
     points: Vec<[f64; 3]>,
-    /// Nodes at the middles of edges, of those that are cut and, in cells of second order, of others.
+    /// Nodes at the midpoints of divided edges and, for second-order cells, of other edges.
     middles: HashMap<Edge, u32>,
-    /// Edges that are cut.
+    /// Divided edges.
     cut: HashSet<Edge>,
 }
 
 impl Refinement<'_> {
-    /// The node in the middle of an edge of a piece, from corner `k` to the next one.
+    /// Node at the midpoint of an edge of a child cell, from corner `k` to the next one.
     fn middle(&mut self, piece: &ChildCell, k: usize) -> u32 {
         let (from, to) = (k, (k + 1) % 3);
         let (old, points) = (self.old, &mut self.points);
@@ -55,14 +55,14 @@ impl Refinement<'_> {
         })
     }
 
-    /// Four pieces of one.
+    /// Division of a child cell into four.
     fn quartered(&mut self, piece: &ChildCell) -> Vec<ChildCell> {
         let middles = [0, 1, 2].map(|k| self.middle(piece, k));
         (0..3).for_each(|k| {
             self.cut.insert(edge(piece.nodes[k], piece.nodes[(k + 1) % 3]));
         });
         let children = halves(CellKind::Tri3);
-        // child k keeps corner k, the last one has the middles alone
+        // child k keeps corner k, the last one has midpoints only
         let nodes = (0..3).map(|k| {
             let toward = |other: usize| if other == k { piece.nodes[k] } else { middles[if (k + 1) % 3 == other { k } else { other }] };
             [toward(0), toward(1), toward(2)]
@@ -72,7 +72,7 @@ impl Refinement<'_> {
         children.map(|(places, nodes)| ChildCell { nodes, places: [places[0], places[1], places[2]], ..*piece }).collect()
     }
 
-    /// The number of the longest edge; of equal ones both neighbors name the same.
+    /// Index of the longest edge; of equal ones, neighbors choose the same.
     fn longest(&self, piece: &ChildCell) -> usize {
         let length = |k: usize| {
             let ends = edge(piece.nodes[k], piece.nodes[(k + 1) % 3]);
@@ -86,7 +86,7 @@ impl Refinement<'_> {
         (0..3).max_by(longer).unwrap_or_default()
     }
 
-    /// Bisects a piece across its longest edge, and its halves, until no edge of a piece is cut; adds the pieces to `whole`.
+    /// Bisects a child cell across its longest edge, and its halves, until none of its edges is divided; adds the results to `whole`.
     fn close(&mut self, piece: ChildCell, whole: &mut Vec<ChildCell>) {
         let is_cut = (0..3).any(|k| self.cut.contains(&edge(piece.nodes[k], piece.nodes[(k + 1) % 3])));
         if !is_cut {
@@ -105,7 +105,7 @@ impl Refinement<'_> {
         }
     }
 
-    /// The pieces of every cell, those that are chosen cut into four.
+    /// Child cells of every cell; chosen cells are divided into four.
     fn pieces(&mut self, is_chosen: &[bool]) -> Result<Vec<ChildCell>, MeshError> {
         let corners = CellKind::Tri3.row().node_places;
         let mut pieces: Vec<ChildCell> = Vec::new();
@@ -122,7 +122,7 @@ impl Refinement<'_> {
             }
             pieces = next;
             room_for(pieces.len(), UNSTRUCTURED)?;
-            // an edge cut by one of its cells is the other one's to follow
+            // an edge divided by one of its cells must be divided by the other one
             if self.cut.len() == edges {
                 return Ok(pieces);
             }
@@ -144,7 +144,7 @@ impl Refinement<'_> {
         (0..self.old.cell_count()).for_each(|cell| firsts[cell + 1] += firsts[cell]);
         let offspring = |cell: u32| firsts[cell as usize]..firsts[cell as usize + 1];
         let on_facet = |facet: &Facet| {
-            // the corner across from a facet has no share in its points
+            // the corner opposite to a facet has zero weight at its points
             let [from, across] = [facet.local as usize, (facet.local as usize + 2) % 3];
             let share = |place: Place, corner: usize| (CellKind::Tri3.row().shape)(place)[corner];
             let mut found: Vec<(f64, Facet)> = Vec::new();
@@ -169,17 +169,17 @@ impl Refinement<'_> {
 }
 
 impl Mesh {
-    /// The mesh of triangles with every chosen cell cut into four at the middles of its edges, and others bisected so that no node hangs on
-    /// an edge; boundaries and parts kept. As [`Mesh::refine`] it covers the same set of points, and old nodes keep their numbers. However
-    /// often it is repeated, no angle is smaller than half the smallest of the first mesh.
+    /// Mesh of triangles in which every chosen cell is divided into four at the midpoints of its edges, and others are bisected so that
+    /// there are no hanging nodes; boundaries and parts are kept. As with [`Mesh::refine`] the mesh covers the same set of points, and old
+    /// nodes keep their numbers. After any number of refinements, no angle is smaller than half the smallest one of the first mesh.
     ///
     /// `is_chosen` has an entry for each cell.
     ///
     /// # Errors
-    /// Cells that are no triangles, more of them than [`CELL_LIMIT`](crate::mesh::CELL_LIMIT).
+    /// Cells that are no triangles, more cells than [`CELL_LIMIT`](crate::mesh::CELL_LIMIT).
     pub fn refined_cells(&self, is_chosen: &[bool]) -> Result<Mesh, MeshError> {
         self.refuse_others_than_triangles()?;
-        // before memory is taken
+        // before memory is allocated
         let cells = self.cell_count() + 3 * is_chosen.iter().filter(|chosen| **chosen).count();
         room_for(cells, UNSTRUCTURED)?;
         let mut middles = HashMap::new();
@@ -198,7 +198,7 @@ impl Mesh {
         other.map_or(Ok(()), |kind| Err(MeshError::NotLocally { kind: kind.name() }))
     }
 
-    /// [`Mesh::refined_cells`] of the cells at whose centers `condition` holds.
+    /// [`Mesh::refined_cells`] for the cells whose centers satisfy `condition`.
     ///
     /// # Errors
     /// Errors of [`Mesh::refined_cells`]; an error of the condition.
@@ -227,7 +227,7 @@ mod tests {
     use super::*;
     use crate::mesh::{polygon_of, rectangle, ring};
 
-    /// The smallest angle of the triangles of the corners, in degrees.
+    /// Smallest angle of the corner triangles, in degrees.
     fn smallest_angle(mesh: &Mesh) -> f64 {
         let angle = |cell: &[u32], k: usize| {
             let [a, b, c] = [0, 1, 2].map(|i| mesh.points[cell[(k + i) % 3] as usize]);
@@ -237,7 +237,7 @@ mod tests {
         mesh.cells().flat_map(|cell| [0, 1, 2].map(|k| angle(cell, k))).fold(f64::INFINITY, f64::min)
     }
 
-    /// Same area, same boundaries, conforming: the hull is the boundaries.
+    /// Asserts equal areas and boundaries, and that the mesh is conforming: its hull consists of the boundaries.
     fn is_same(mesh: &Mesh, finer: &Mesh) {
         assert_eq!(finer.defects(), []);
         assert!((mesh.measure() - finer.measure()).abs() < 1e-12 * mesh.measure());
@@ -303,7 +303,7 @@ mod tests {
             assert!(smallest_angle(&mesh) > 0.5 * angle, "{level}: {} of {angle}", smallest_angle(&mesh));
         }
         is_same(&coarse, &mesh);
-        // cells of 2^-25 in a body of 2, and few of them
+        // cells of 2^-25 in a body of 2, in a small number
         assert!(mesh.quality().shortest_edge < 1e-7 && mesh.cell_count() < 5000, "{} {}", mesh.quality(), mesh.cell_count());
     }
 
@@ -335,7 +335,7 @@ mod tests {
                 mesh = mesh.refined_where(|at| Ok::<bool, MeshError>((at[0] - x).hypot(at[1] - y) < radius)).unwrap();
             }
             is_same(&coarse, &mesh);
-            // of the triangles of the corners: on straight edges children have the parent's angles
+            // angles of the corner triangles: children on straight edges have the angles of the parent
             if !is_quadratic {
                 prop_assert!(smallest_angle(&mesh) >= 0.5 * smallest_angle(&coarse) - 1e-9);
             }

@@ -1,4 +1,4 @@
-//! Cells at points of a mesh: their nodes with the values of the shape functions there.
+//! Cells at points of a mesh, with the values of their shape functions.
 
 use nalgebra::{Matrix3, Vector3};
 use rstar::primitives::{GeomWithData, Rectangle};
@@ -8,21 +8,21 @@ use super::Mesh;
 use crate::elements::CellShape;
 use crate::math::tolerances::{INSIDE_CELL, LOCATED};
 
-/// Iterations at most: cells that are valid need less than ten.
+/// Largest number of iterations: valid cells need fewer than ten.
 const ITERATIONS: usize = 30;
 
-/// Distance of a point from its cell, relative to the cell, up to which the nearest point of the cell stands for it: chords of a round side
-/// with facets of 30 degrees are that far inside of the arc.
+/// Largest distance of a point from its cell, relative to the cell, for which the nearest point of the cell is used: chords of a round side
+/// with facets of 30 degrees lie this far inside of the arc.
 const BESIDE: f64 = 0.05;
 
-/// Cells of a mesh by their places.
+/// Spatial index of the cells of a mesh.
 pub struct CellFinder<'a> {
     mesh: &'a Mesh,
     tree: RTree<GeomWithData<Rectangle<[f64; 3]>, usize>>,
 }
 
 impl<'a> CellFinder<'a> {
-    /// Cells of a mesh at its points at rest.
+    /// Index of the cells of the undeformed mesh.
     pub fn new(mesh: &'a Mesh) -> Self {
         let boxes = mesh.cells().enumerate().map(|(index, cell)| {
             let end = |pick: fn(f64, f64) -> f64| -> [f64; 3] {
@@ -30,14 +30,14 @@ impl<'a> CellFinder<'a> {
             };
             let (low, high) = (end(f64::min), end(f64::max));
             let reach = BESIDE * (0..3).map(|i| high[i] - low[i]).fold(0.0, f64::max);
-            // Mid-side nodes bound a curved cell only nearly.
+            // Mid-side nodes do not bound a curved cell exactly.
             GeomWithData::new(Rectangle::from_corners(low.map(|x| x - reach), high.map(|x| x + reach)), index)
         });
         CellFinder { mesh, tree: RTree::bulk_load(boxes.collect()) }
     }
 
-    /// Nodes of the cell at a point with the values of its shape functions there; `None` outside of the mesh. A point beside the mesh by a
-    /// small part of a cell counts as the nearest point of the cell.
+    /// Nodes of the cell at a point with the values of its shape functions; `None` outside of the mesh. A point at a small distance from
+    /// the mesh counts as the nearest point of the cell.
     pub fn shares(&self, point: [f64; 3]) -> Option<Vec<(u32, f64)>> {
         let mut best: Option<(f64, Vec<(u32, f64)>)> = None;
         let mut found: Vec<usize> = self.tree.locate_in_envelope_intersecting(AABB::from_point(point)).map(|found| found.data).collect();
@@ -51,7 +51,7 @@ impl<'a> CellFinder<'a> {
         best.filter(|(distance, _)| *distance <= BESIDE).map(|(_, shares)| shares)
     }
 
-    /// Distance of a point from a cell relative to its size, 0 inside, and the shape functions at the nearest place in the cell.
+    /// Distance of a point from a cell relative to its size, 0 inside, and the shape functions at the nearest point of the cell.
     fn in_cell(&self, cell: usize, point: [f64; 3]) -> (f64, Vec<(u32, f64)>) {
         let (kind, nodes) = self.mesh.kind_and_cell(cell);
         let row = kind.row();

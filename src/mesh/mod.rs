@@ -1,7 +1,7 @@
 //! Floor 2: nodes, cells and named boundaries; generators, readers and checks.
 //!
-//! A mesh is plain data whose dimension is that of its cell kinds; points always carry three coordinates (the third is zero in the
-//! plane), so that readers, generators and writers need no dimension parameter. Kernels take what they need from it once.
+//! A mesh is plain data whose dimension is that of its cell kinds; points always have three coordinates (the third is zero in the plane),
+//! so that readers, generators and writers need no dimension parameter. Kernels copy the data they need once.
 
 mod blocks;
 mod cell_size;
@@ -73,10 +73,10 @@ pub use solids::{cylinder, hollow_sphere, rounded_block, sphere, torus, tube};
 pub use sweep::Prisms;
 pub use topology::{flat_pieces, pieces_of};
 
-/// Most cells that generators and refinement make: some gigabytes in a simulation, and no script should take more by a slip of the pen.
+/// Largest number of cells of generators and refinement: some gigabytes in a simulation; a larger number in a script is probably a mistake.
 pub const CELL_LIMIT: usize = 10_000_000;
 
-/// One facet of the boundary: a cell and the number of its local facet. Its orientation follows from the cell's.
+/// Facet of the boundary: a cell and the index of its local facet. Its orientation follows from the cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Facet {
     /// Cell number.
@@ -92,7 +92,7 @@ pub struct Boundary {
     pub name: String,
     /// Facets in ascending order of traversal or as found.
     pub facets: Vec<Facet>,
-    /// Nodes that belong to it besides those of its facets: single points to be held, moved or loaded.
+    /// Nodes in addition to those of the facets: single points that are fixed, moved or loaded.
     pub nodes: Vec<u32>,
 }
 
@@ -107,7 +107,7 @@ impl Boundary {
         Boundary { name: format!("node {node}"), facets: Vec::new(), nodes: vec![node] }
     }
 
-    /// Several boundaries of a mesh as one, facets and nodes that are in more than one of them once.
+    /// Union of several boundaries of a mesh; common facets and nodes occur once.
     pub fn union(boundaries: &[Boundary]) -> Self {
         let names: Vec<&str> = boundaries.iter().map(|boundary| boundary.name.as_str()).collect();
         let mut joined = Boundary::of_facets(&names.join("+"), Vec::new());
@@ -121,8 +121,8 @@ impl Boundary {
 
 /// Nodes, cells in blocks of one kind each, named boundaries and named parts.
 ///
-/// Generators and readers give sound meshes. One that is put together by hand may refer to nodes or cells that it does not have;
-/// [`Mesh::defects`] finds that, other methods panic on it.
+/// Generators and readers return valid meshes. A mesh constructed by hand may refer to missing nodes or cells; [`Mesh::defects`] reports
+/// this, other methods panic.
 #[derive(Clone, Debug)]
 pub struct Mesh {
     /// Node positions `[length]`; the third coordinate is 0 for plane meshes.
@@ -147,7 +147,7 @@ impl Mesh {
         kind.facets()[facet.local as usize].iter().map(move |&local| cell[local])
     }
 
-    /// The boundary of that name, if there is one.
+    /// Boundary with a name, if it exists.
     pub fn boundary(&self, name: &str) -> Option<&Boundary> {
         self.boundaries.iter().find(|boundary| boundary.name == name)
     }

@@ -1,7 +1,7 @@
-//! Places and directions along a path in space: frames that do not turn about it.
+//! Positions and directions along a path in space: rotation-minimizing frames.
 //!
-//! The frame goes from point to point by two reflections (W. Wang, B. Jüttler, D. Zheng, Y. Liu, ACM Transactions on Graphics 27, 2008,
-//! 2:1-2:18, section 4), exactly along straight lines and circles.
+//! The frame is transported from point to point by two reflections (W. Wang, B. Jüttler, D. Zheng, Y. Liu, ACM Transactions on Graphics 27,
+//! 2008, 2:1-2:18, section 4), exactly along straight lines and circles.
 
 use super::MeshError;
 use super::check::{between, cross, dot, norm};
@@ -19,10 +19,11 @@ pub(super) struct Frame {
     pub along: [Vector; 2],
 }
 
-/// The frames at the points of a path, and true if the path is closed: then the last point is the first one, without a frame of its own.
+/// Frames at the points of a path, and true if the path is closed; the last point of a closed path equals the first one and has no frame of
+/// its own.
 ///
 /// # Errors
-/// Fewer than two points (a closed one: than four), points at the same place, turns of 90 degrees and more.
+/// Fewer than two points (closed: four), coincident points, turns of 90 degrees and more.
 pub(super) fn frames(path: &[Vector]) -> Result<(Vec<Frame>, bool), MeshError> {
     if let Some(&value) = path.as_flattened().iter().find(|x| !x.is_finite()) {
         return Err(MeshError::NotFinite { what: "a coordinate of a path", value });
@@ -51,7 +52,7 @@ pub(super) fn frames(path: &[Vector]) -> Result<(Vec<Frame>, bool), MeshError> {
         let across_next = carried(across[from], tangents[from], between(path[from], path[k]), tangents[k % points.len()]);
         across.push(across_next);
     }
-    // what a closed path has turned the frame by is taken back along its length
+    // the angle by which a closed path rotates the frame is distributed over its length
     let [x, y] = [across[0], cross(tangents[0], across[0])];
     let end = across[path.len() - 1];
     let turn = if is_closed { dot(end, y).atan2(dot(end, x)) } else { 0.0 };
@@ -86,7 +87,7 @@ fn tangents(points: &[Vector], is_closed: bool) -> Result<Vec<Vector>, MeshError
     for k in 1..count - 1 {
         tangents.push(inner(k)?);
     }
-    // at an end the circle of the point before it goes on: the mirror image of its direction
+    // at an end the circle of the neighboring point continues: reflection of its direction
     let mirrored = |tangent: Vector, chord: Vector| [0, 1, 2].map(|i| 2.0 * dot(tangent, chord) * chord[i] - tangent[i]);
     let [first, last] = [unit(step(0)), unit(step(count - 2))];
     tangents[0] = tangents.get(1).map_or(first, |&next| unit(mirrored(next, first)));
@@ -95,7 +96,7 @@ fn tangents(points: &[Vector], is_closed: bool) -> Result<Vec<Vector>, MeshError
     Ok(tangents)
 }
 
-/// Where the x axis goes when z is turned to the tangent the shortest way; where that is a half turn, about x.
+/// Direction of the x axis after the smallest rotation of z to the tangent; a half turn is about x.
 fn first_across(tangent: Vector) -> Vector {
     let [x, y, z] = tangent;
     if 1.0 + z <= SAME_PLACE {
@@ -104,7 +105,7 @@ fn first_across(tangent: Vector) -> Vector {
     [1.0 - x * x / (1.0 + z), -x * y / (1.0 + z), -x]
 }
 
-/// A vector across the path, carried from one point to the next.
+/// Vector normal to the path, transported from one point to the next.
 fn carried(across: Vector, tangent: Vector, step: Vector, next: Vector) -> Vector {
     let reflected = |v: Vector, about: Vector| {
         let square = dot(about, about);
@@ -113,7 +114,7 @@ fn carried(across: Vector, tangent: Vector, step: Vector, next: Vector) -> Vecto
     };
     let (across, tangent) = (reflected(across, step), reflected(tangent, step));
     let carried = reflected(across, between(tangent, next));
-    // a unit vector across the path in spite of round-off
+    // unit vector normal to the path in spite of round-off
     let along = dot(carried, next);
     let clean = [0, 1, 2].map(|i| carried[i] - along * next[i]);
     clean.map(|x| x / norm(clean))

@@ -1,12 +1,12 @@
-//! Some of the cells of a mesh as a mesh of their own, and which cells are connected.
+//! Submeshes, and connected components.
 
 use std::collections::HashMap;
 
 use super::{Block, Boundary, Facet, Mesh};
 
 impl Mesh {
-    /// Some cells as a mesh of their own: the cells in the given order, those of a kind together, the nodes they use
-    /// renumbered in ascending order, and what of the boundaries and of the parts lies in it.
+    /// Mesh of some cells: cells in the given order, those of a kind together, their nodes renumbered in ascending order, with the
+    /// boundaries and parts that lie in it.
     pub fn of_cells(&self, cells: &[u32]) -> Mesh {
         let mut new_node = vec![None; self.points.len()];
         for &cell in cells {
@@ -52,7 +52,7 @@ impl Mesh {
         Mesh { points, blocks, boundaries, parts }
     }
 
-    /// Cells that are connected through nodes, piece by piece in the order of their first cells, in ascending order.
+    /// Connected components (cells with common nodes) in the order of their first cells, with cells in ascending order.
     pub fn connected_cells(&self) -> Vec<Vec<u32>> {
         let mut leader: Vec<u32> = (0..self.points.len() as u32).collect();
         for cell in self.cells() {

@@ -1,4 +1,4 @@
-//! Where errors of mesh files are.
+//! Places of errors in mesh files.
 
 use std::path::Path;
 
@@ -6,7 +6,7 @@ use super::error::MeshError;
 use super::file_error::{FileError, FileProblem, Place};
 
 impl MeshError {
-    /// Place in the mesh file or in the file that it includes, where the error has one.
+    /// Place in the mesh file or in the included file, if the error has one.
     pub fn place(&self) -> Option<Place> {
         use MeshError::*;
         match self {
@@ -22,7 +22,7 @@ impl MeshError {
         }
     }
 
-    /// Moves the place of an error that has one.
+    /// Sets the place of an error that has one.
     pub(super) fn set_place(&mut self, place: Place) {
         use MeshError::*;
         match self {
@@ -36,7 +36,7 @@ impl MeshError {
         }
     }
 
-    /// Line of the file, counted from 1, where the error has one.
+    /// Line of the file, counted from 1, if the error has one.
     pub fn line(&self) -> Option<usize> {
         match self.place() {
             Some(Place::Line(line)) => Some(line),
@@ -44,7 +44,7 @@ impl MeshError {
         }
     }
 
-    /// Byte of the file, counted from 0, where the error has one.
+    /// Byte of the file, counted from 0, if the error has one.
     pub fn offset(&self) -> Option<usize> {
         match self.place() {
             Some(Place::Byte(byte)) => Some(byte),

@@ -1,4 +1,4 @@
-//! Points that are found by their place.
+//! Spatial index of points.
 
 use rstar::RTree;
 use rstar::primitives::GeomWithData;

@@ -1,4 +1,4 @@
-//! Polygons of unstructured cells: regions with straight sides, whose corners are checked beforehand.
+//! Polygons with unstructured cells: regions with straight sides, whose corners are checked first.
 
 use super::cell_size::CellSize;
 use super::curves::{Curve, Side};
@@ -8,9 +8,9 @@ use super::region::layered_region;
 use super::{Mesh, MeshError};
 use crate::elements::CellKind;
 
-/// Cells of quad4 with edges of about `size` `[length]` in the polygon with these corners, in either direction of traversal; boundaries by
-/// `names`, one for each side in the order of the corners (from the first to the second and so on), equal names joined, and `outer`. Each
-/// of the `holes` is a polygon inside; its boundary is `hole 1`, `hole 2` and so on.
+/// Cells of quad4 with edges of about `size` `[length]` in the polygon with these corners, in either direction of traversal. Boundaries
+/// have the `names` of the sides in the order of the corners (from the first to the second and so on), with equal names joined, and
+/// `outer`. Each of the `holes` is a polygon inside; its boundary is `hole 1`, `hole 2` and so on.
 ///
 /// # Errors
 /// Fewer than 3 corners, sides that cross or have no length, holes that are not inside or meet, a size that is not positive, numbers that
@@ -19,7 +19,7 @@ pub fn polygon(corners: &[[f64; 2]], holes: &[Vec<[f64; 2]>], size: f64, names: 
     polygon_of(CellKind::Quad4, corners, holes, size, names)
 }
 
-/// [`polygon`] of another plane kind of cells.
+/// [`polygon`] with another plane kind of cells.
 ///
 /// # Errors
 /// Errors of [`polygon`]; a kind that is not plane.
@@ -43,7 +43,7 @@ pub fn layered_polygon(
     layered_region(&outline, &holes, CellSize::<MeshError>::Even(size), kind, layers)
 }
 
-/// The sides of a polygon and of its holes as curves.
+/// Sides of a polygon and of its holes as curves.
 ///
 /// # Errors
 /// Errors of [`polygon`].

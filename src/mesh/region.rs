@@ -1,7 +1,7 @@
-//! Unstructured cells in a region that curves bound.
+//! Unstructured cells in a region bounded by curves.
 //!
-//! The region is triangulated; for quadrilaterals every triangle is cut from its center to the middles of its sides into three. So every
-//! region can be meshed, and every cell is convex. New nodes on the rim lie on its curves.
+//! The region is triangulated; for quadrilaterals every triangle is divided into three, from its center to the midpoints of its sides.
+//! Every region can be meshed in this way, and every cell is convex. New nodes on the rim lie on its curves.
 
 use super::cell_size::CellSize;
 use super::columns::layered;
@@ -13,9 +13,9 @@ use super::triangulation::Rim;
 use super::{Boundary, Facet, Mesh, MeshError};
 use crate::elements::{CellKind, CellShape};
 
-/// Plane cells of a kind with edges of about `size` `[length]` in the region inside the outline and outside the holes, each of which
-/// consists of curves that follow each other and close, in either direction of traversal. Boundaries: `outer`, `hole 1`, `hole 2` and so
-/// on, and the names of the sides, equal ones joined. Middle nodes of second-order cells on the rim lie on its curves.
+/// Plane cells of a kind with edges of about `size` `[length]` in the region inside the outline and outside the holes. Outline and holes
+/// are closed chains of curves, in either direction of traversal. Boundaries are `outer`, `hole 1`, `hole 2` and so on, and the names of
+/// the sides, with equal names joined. Mid-side nodes on the rim lie on its curves.
 ///
 /// # Errors
 /// Curves that do not follow each other, that cross or touch, holes that are not inside, sizes that are not positive, too many cells, what
@@ -24,8 +24,8 @@ pub fn region<E: From<MeshError>>(outline: &[Side], holes: &[Vec<Side>], size: C
     layered_region(outline, holes, size, kind, None)
 }
 
-/// [`region`] with strips of thin cells along some of its boundaries: stacks of quadrilaterals, or of pairs of triangles where the kind is
-/// one of triangles. Second-order cells bulge with the boundary at all levels.
+/// [`region`] with strips of thin cells along some of its boundaries: stacks of quadrilaterals, or of pairs of triangles for triangular
+/// kinds. Second-order cells follow the curved boundary at all levels.
 ///
 /// # Errors
 /// Errors of [`region`]; boundaries that there are not, layers that leave no room, corners that they cannot go round.
@@ -36,7 +36,7 @@ pub fn layered_region<E: From<MeshError>>(
     kind: CellKind,
     layers: Option<&Layers>,
 ) -> Result<Mesh, E> {
-    // a triangle's edge is twice that of the quadrilaterals it is cut into
+    // a triangle's edge is twice that of the quadrilaterals into which it is divided
     let (factor, halves) = if kind.shape() == CellShape::Triangle { (1.0, 1) } else { (2.0, 2) };
     let Some(layers) = layers else {
         let rim = rim(outline, holes, &mut size, factor)?;
@@ -62,7 +62,7 @@ pub fn layered_region<E: From<MeshError>>(
     }
 }
 
-/// The rim of a region in pieces of about `factor` times the size, and the curves and names that they belong to.
+/// Rim of a region in pieces of about `factor` times the size, with their curves and names.
 fn rim<E: From<MeshError>>(outline: &[Side], holes: &[Vec<Side>], size: &mut CellSize<E>, factor: f64) -> Result<Rim, E> {
     let mut rim = Rim::default();
     for (number, sides) in std::iter::once(outline).chain(holes.iter().map(Vec::as_slice)).enumerate() {
@@ -88,7 +88,7 @@ fn rim<E: From<MeshError>>(outline: &[Side], holes: &[Vec<Side>], size: &mut Cel
             names.extend(side.name.clone().filter(|name| *name != whole));
             rim.add_side(side.curve.clone(), names, format!("curve {place} of {what}"), &places);
         }
-        // the body is on the left: round a hole clockwise
+        // the body is on the left: clockwise around a hole
         rim.close_loop(first, number == 0);
     }
     for hole in 1..=holes.len() {
@@ -101,7 +101,7 @@ fn rim<E: From<MeshError>>(outline: &[Side], holes: &[Vec<Side>], size: &mut Cel
     Ok(rim)
 }
 
-/// Each curve begins where the one before it ends, the first where the last one ends.
+/// Checks that each curve begins at the end of the previous one, and the first at the end of the last.
 fn follow_each_other(sides: &[Side], what: &str) -> Result<(), MeshError> {
     let is_loop = |side: &Side| side.curve.start() == side.curve.end();
     if sides.is_empty() || sides.len() == 1 && !is_loop(&sides[0]) {
@@ -121,7 +121,7 @@ fn follow_each_other(sides: &[Side], what: &str) -> Result<(), MeshError> {
     Ok(())
 }
 
-/// Boundaries by the names of the rim's curves, given curves and facets of all its pieces in their order.
+/// Boundaries by the names of the rim's curves, given curve and facets of each piece in their order.
 fn boundaries(rim: &Rim, along: &[(usize, Vec<Facet>)]) -> Vec<Boundary> {
     let mut boundaries: Vec<Boundary> = Vec::new();
     for (curve, facets) in along.iter().filter(|(_, facets)| !facets.is_empty()) {
@@ -217,7 +217,7 @@ mod tests {
         assert!((mesh.measure() - 1.0).abs() < 1e-12);
         let quality = mesh.quality();
         assert!(quality.smallest_scaled_jacobian > 0.15, "{quality}");
-        // the mean of cell's size over the size wanted at its center
+        // mean ratio of the cell size to the requested size at the center of the cell
         let ratios: Vec<f64> = (0..mesh.cell_count())
             .map(|cell| {
                 let points: Vec<[f64; 3]> = mesh.cell(cell).iter().map(|&node| mesh.points[node as usize]).collect();
@@ -230,7 +230,7 @@ mod tests {
         let (least, most) = ratios.iter().fold((f64::INFINITY, 0.0), |(low, high): (f64, f64), &r| (low.min(r), high.max(r)));
         assert!((0.5..1.2).contains(&mean) && least > 0.2 && most < 2.0, "{least} {mean} {most} of {}", mesh.cell_count());
         let even = region(&outline, &[], CellSize::<MeshError>::Even(0.005), CellKind::Quad4).unwrap();
-        // 1 / 0.005^2 = 40000 cells of that size: refinement is not given up half way
+        // 1 / 0.005^2 = 40000 cells of this size: refinement is complete
         assert!((25_000..80_000).contains(&even.cell_count()), "{}", even.cell_count());
         let mut tiny = |_: [f64; 2]| Ok::<f64, MeshError>(1e-7);
         assert!(matches!(region(&outline, &[], CellSize::At(&mut tiny), CellKind::Quad4), Err(MeshError::TooManyCells { .. })));
@@ -250,7 +250,7 @@ mod tests {
         assert!(matches!(refusal(&outline, &[hole(1.0, 0.4), hole(1.0, 0.2)]), MeshError::HoleOutside { .. }));
         let crossing = refusal(&outline, &[hole(0.2, 0.4)]);
         assert!(crossing.to_string().contains("curve 1 of hole 1") && crossing.to_string().contains("touch or cross"), "{crossing}");
-        // a circle that touches a side leaves cells without room
+        // a circle that touches a side leaves no room for cells
         refusal(&outline, &[hole(0.4, 0.4)]);
         assert!(!crossing.hint().is_empty());
         let bow = [[0.0, 0.0], [1.0, 1.0], [1.0, 0.0], [0.0, 1.0]];

@@ -1,4 +1,4 @@
-//! A plane mesh turned about an axis in its plane.
+//! Revolution of a plane mesh about an axis in its plane.
 
 use std::f64::consts::TAU;
 
@@ -22,9 +22,9 @@ impl Axis {
 }
 
 impl Mesh {
-    /// The plane mesh turned by `angle` `[rad]`, right-handed, about an axis in its plane, in `layers` of hexahedra, and over triangles of
-    /// wedges or of three tetrahedra each, of which the last is `grading` times the first. Its boundaries become sides, `start` is the
-    /// plane mesh itself and `end` where it was turned to; a full turn closes and has neither.
+    /// Revolution of the plane mesh by `angle` `[rad]`, right-handed, about an axis in its plane, in `layers` of which the last is
+    /// `grading` times the first: hexahedra, and over triangles wedges or three tetrahedra each. Its boundaries become sides; `start` is
+    /// the plane mesh itself and `end` its copy at the end. A full turn is closed and has neither.
     ///
     /// # Errors
     /// Cells of other kinds, an angle of 0 or of more than a full turn, layers of more than 120 degrees, an axis without direction, a mesh
@@ -38,7 +38,7 @@ impl Mesh {
         if !(length > 0.0 && length.is_finite()) {
             return Err(MeshError::NoAxis { axis: [axis[0], axis[1], 0.0] });
         }
-        // a layer of 180 degrees has no volume left
+        // a layer of 180 degrees has no volume
         at_least("around", layers, (turn / (TAU / 3.0) * (1.0 - SAME_PLACE)).ceil().max(1.0) as usize)?;
         limited(&[self.cell_count(), layers])?;
         let is_closed = turn >= TAU * (1.0 - SAME_PLACE);

@@ -1,7 +1,7 @@
 //! Structured meshes with round sides: ring, arc, disk and half disk.
 //!
 //! Each is a mapped grid of cells; the names of its boundaries are fixed. Boundaries are traversed with the body on the left, so that each
-//! facet begins where the one before it ends.
+//! facet begins at the end of the previous one.
 
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, FRAC_PI_4, PI, TAU};
 
@@ -48,7 +48,7 @@ pub fn graded_ring(
     let points = graded(radial, grading)?
         .iter()
         .flat_map(|share| {
-            // this form meets both radii exactly, at share 0 and 1
+            // this form is exact at both radii, for fractions of 0 and 1
             let radius = inner_radius * (1.0 - share) + outer_radius * share;
             spokes.iter().map(move |&(sine, cosine)| [center[0] + radius * cosine, center[1] + radius * sine, 0.0])
         })
@@ -83,7 +83,7 @@ pub fn arc(radii: [f64; 2], angles: [f64; 2], cells: [usize; 2], center: [f64; 2
         return Err(MeshError::Turn { start: angles[0], end: angles[1] });
     }
     at_least("along the radius", cells[0], 1)?;
-    // a cell of 180 degrees has no area left
+    // a cell of 180 degrees has no area
     at_least("around", cells[1], (turn / (TAU / 3.0)).ceil().max(1.0) as usize)?;
     limited(&cells)?;
     let [radial, around] = cells;
@@ -152,11 +152,11 @@ pub fn disk(radius: f64, cells: [usize; 2], center: [f64; 2]) -> Result<Mesh, Me
     Mesh { boundaries, ..Mesh::new(CellKind::Quad4, points, connectivity) }.checked()
 }
 
-/// The lower half of a disk around `center` `[length]`, of quad4 cells: a core below the diameter, and `cells[0]` layers with `cells[1]`
-/// cells around it; boundaries `arc` and `flat`.
+/// Lower half of a disk around `center` `[length]`, of quad4 cells: a core below the diameter, and `cells[0]` layers with `cells[1]` cells
+/// around it; boundaries `arc` and `flat`.
 ///
-/// With `finest` `[length]` facets are that long at the lowest point and grow in geometric progression away from it, along the arc and into
-/// the body; without, or where even ones are smaller, they are even.
+/// `finest` `[length]` is the facet length at the lowest point, from which facets grow in geometric progression along the arc and into the
+/// body; without it, or if uniform facets are smaller, facets are uniform.
 ///
 /// # Errors
 /// Lengths that are not positive, a number of cells around that is no multiple of 4, numbers that are not finite, too many cells.
@@ -169,7 +169,7 @@ pub fn half_disk(radius: f64, cells: [usize; 2], center: [f64; 2], finest: Optio
     let (width, side) = (around / 2, around / 4);
     let half = CORE * radius * FRAC_1_SQRT_2;
     let at = |x: f64, y: f64| [center[0] + x, center[1] + y, 0.0];
-    // Places along the lower quarter of the arc, -1 to 1, and across the layers, 0 to 1 at the arc.
+    // Positions along the lower quarter of the arc, -1 to 1, and across the layers, 0 to 1 at the arc.
     let along = progression(side, FRAC_PI_4 * radius, finest);
     let along: Vec<f64> = along.iter().rev().map(|s| -s).chain(along[1..].iter().copied()).collect();
     let across: Vec<f64> = progression(radial, radius - half, finest).iter().rev().map(|s| 1.0 - s).collect();
@@ -221,7 +221,7 @@ fn core_cells(width: usize, height: usize) -> Vec<u32> {
     (0..height).flat_map(|j| (0..width).flat_map(move |i| [node(i, j), node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)])).collect()
 }
 
-/// Counts of cells across the layers of a disk and around it.
+/// Checked counts of cells across the layers of a disk and around it.
 fn checked_round(cells: [usize; 2]) -> Result<[usize; 2], MeshError> {
     at_least("along the radius", cells[0], 1)?;
     limited(&cells)?;

@@ -1,4 +1,4 @@
-//! Named pieces of a mesh: boundaries found by a condition on their points, and parts as meshes of their own.
+//! Named subsets of a mesh: boundaries selected by a condition on their points, and parts as meshes.
 //!
 //! The condition may be a closure of a script, which can fail with an error of its own; it is evaluated once per node of the hull.
 
@@ -30,7 +30,7 @@ impl<E> SelectionError<E> {
 }
 
 impl Mesh {
-    /// Facets of the outer hull all of whose nodes satisfy `condition`, cell by cell; may be empty.
+    /// Facets of the hull with all nodes satisfying `condition`, cell by cell; may be empty.
     ///
     /// # Errors
     /// An error of the condition.
@@ -54,7 +54,7 @@ impl Mesh {
         Ok(facets)
     }
 
-    /// The mesh with one more boundary: the facets of its hull all of whose nodes satisfy `condition`. It may turn out empty.
+    /// Mesh with a further boundary: the facets of its hull with all nodes satisfying `condition`. It may be empty.
     ///
     /// # Errors
     /// An error of the condition; a boundary of that name exists.
@@ -68,10 +68,10 @@ impl Mesh {
         Ok(self)
     }
 
-    /// The mesh with every node moved to where `place` puts it; cells and boundaries stay.
+    /// Mesh with the nodes moved to the positions of `place`; cells and boundaries do not change.
     ///
     /// # Errors
-    /// An error of `place`; coordinates that are not finite; a mesh that is turned inside out.
+    /// An error of `place`; coordinates that are not finite; inverted cells.
     pub fn mapped<E>(mut self, mut place: impl FnMut([f64; 3]) -> Result<[f64; 3], E>) -> Result<Mesh, SelectionError<E>> {
         for point in &mut self.points {
             *point = place(*point).map_err(SelectionError::Condition)?;
@@ -82,8 +82,8 @@ impl Mesh {
         self.checked().map_err(SelectionError::Mesh)
     }
 
-    /// The part of that name as a mesh of its own: its cells in their order, the nodes they use renumbered in ascending order, and what
-    /// of the boundaries and of the parts lies in it. Parts that share nodes come apart.
+    /// Part with a name as a mesh: its cells in their order, their nodes renumbered in ascending order, with the boundaries and parts that
+    /// lie in it. Parts with common nodes are separated.
     ///
     /// # Errors
     /// A name that is not among the parts.
@@ -117,7 +117,7 @@ mod tests {
         assert_eq!(boundary.facets, [Facet { cell: 6, local: 2 }, Facet { cell: 7, local: 2 }]);
         // once per node of the hull
         assert_eq!(asked, 2 * (4 + 2));
-        // inner facets at x = 2 have nodes that satisfy it, but are not on the hull
+        // interior facets at x = 2 have nodes that satisfy the condition, but are not on the hull
         let mesh = mesh.boundary_where("middle", |[x, ..]| Ok::<_, Infallible>(x == 2.0)).unwrap();
         assert!(mesh.boundary("middle").unwrap().facets.is_empty());
     }
@@ -155,7 +155,7 @@ mod tests {
         assert_eq!(right.facets, [Facet { cell: 0, local: 1 }]);
         assert!(east.boundary_nodes(right).iter().all(|&n| east.points[n as usize][0] == 4.0));
         assert_eq!(east.parts, [("east".to_string(), vec![0, 1]), ("all".to_string(), vec![1, 0])]);
-        // one more open side where the other part was
+        // one more open side, next to the other part
         assert_eq!(east.hull().len(), 6);
         let error = mesh.part("eats").unwrap_err();
         assert_eq!((error.to_string().contains("\"west\", \"east\", \"all\""), error.hint()), (true, "did you mean \"east\"?".into()));

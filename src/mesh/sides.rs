@@ -6,10 +6,10 @@ use super::check::{between, cross, dot, norm};
 use super::{Boundary, Facet, Mesh, MeshError};
 
 impl Mesh {
-    /// The mesh with one more boundary of these facets.
+    /// Mesh with a further boundary of these facets.
     ///
     /// # Errors
-    /// A name that is taken.
+    /// A boundary of that name exists.
     pub fn with_boundary(mut self, name: &str, facets: Vec<Facet>) -> Result<Mesh, MeshError> {
         if self.boundary(name).is_some() {
             let available = self.boundaries.iter().map(|boundary| boundary.name.clone()).collect();
@@ -49,7 +49,7 @@ impl Mesh {
         self.hull().into_iter().filter(|&facet| angle_between(self.facet_normal(facet), unit) <= angle).collect()
     }
 
-    /// Facets of the hull that are reached from the one whose middle is nearest to a point, over edges (in the plane: nodes) at which the
+    /// Facets of the hull that are reached from the facet nearest to a point (by its center), over edges (in the plane: nodes) at which the
     /// normal turns by at most `angle` `[rad]`.
     pub fn facets_from(&self, point: [f64; 3], angle: f64) -> Vec<Facet> {
         let hull = self.hull();

@@ -1,4 +1,4 @@
-//! Tests of solids and of what plane meshes sweep over: closed forms of volume and area, and that meshes are sound.
+//! Tests of solids and sweeps: closed forms of volume and area, and validity of the meshes.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -16,7 +16,8 @@ fn area(mesh: &Mesh, names: &[&str]) -> f64 {
     names.iter().map(|name| mesh.boundary_measure(mesh.boundary(name).unwrap_or_else(|| panic!("no boundary {name}")))).sum()
 }
 
-/// No defects, no two nodes at one place, the boundaries cover the hull, each facet once, and no cell is worse than this.
+/// Asserts that a mesh has no defects and no coincident nodes, that the boundaries cover the hull with each facet once, and that all cells
+/// have at least this quality.
 fn assert_sound(what: &str, mesh: &Mesh, names: &[&str], least: f64) {
     assert_eq!(mesh.defects(), [], "{what}");
     assert_eq!(mesh.boundaries.iter().map(|b| b.name.as_str()).collect::<Vec<_>>(), names, "{what}");
@@ -107,7 +108,7 @@ fn nodes_are_on_the_true_surface() {
     is_on(&shell, "outer", &|p| from_center(p) - 1.25);
     assert_eq!(sphere(1.0, [2, 12], [0.0; 3], 1.0).unwrap().cell_count(), 27 + 2 * 6 * 9);
     assert_eq!(shell.cell_count(), 2 * 6 * 9);
-    // the fewest cells that there can be
+    // the smallest number of cells
     assert_sound("least sphere", &sphere(1.0, [1, 4], [0.0; 3], 1.0).unwrap(), &["outer"], 0.4);
 }
 
@@ -187,7 +188,7 @@ fn a_loft_goes_from_one_section_to_the_other() {
     let loft = square.lofted(&round, 3.0, 4, 1.0, Prisms::Cut).unwrap();
     assert_sound("loft", &loft, &["left", "right", "bottom", "top", "bottom_", "top_"], 0.1);
     assert!(relative(area(&loft, &["top_"]), round.measure()) < ROUND_OFF && relative(area(&loft, &["bottom_"]), 4.0) < ROUND_OFF);
-    // sections between two of them have areas that are quadratic in the height (J. Simpson)
+    // areas of sections between two plane meshes are quadratic in the height (J. Simpson)
     let middle = square.clone().mapped(|p| {
         let q = round.points[square.points.iter().position(|other| *other == p).unwrap()];
         Ok::<_, ()>([0.5 * (p[0] + q[0]), 0.5 * (p[1] + q[1]), 0.0])
@@ -229,7 +230,7 @@ fn a_mesh_turned_about_an_axis_has_the_volume_of_pappus() {
             }
         }
     }
-    // by the right hand about y: from x to -z
+    // by the right-hand rule about y: from x to -z
     let quarter = plate.revolved(FRAC_PI_2, 3, Axis::Y, 1.0, Prisms::Cut).unwrap();
     let last = quarter.points[3 * plate.points.len()];
     assert!(last[0].abs() < 1e-15 && last[1] == 0.5 && last[2] == -2.0, "{last:?}");
@@ -254,7 +255,7 @@ fn helix(radius: f64, rise: f64, turn: f64, steps: usize) -> Vec<[f64; 3]> {
 fn a_mesh_follows_a_path_across_it_and_without_turning() {
     let plate = rectangle([0.4, 0.2], [3, 2], [-0.2, -0.1]).unwrap();
     let names = ["left", "right", "bottom", "top", "bottom_", "top_"];
-    // straight: as drawn out along z
+    // straight: as an extrusion along z
     let straight: Vec<[f64; 3]> = (0..=4).map(|k| [0.0, 0.0, 0.5 * f64::from(k)]).collect();
     let [along, up] = [plate.extruded_along(&straight, Change::NONE), plate.extruded(2.0, 4, 1.0, Change::NONE)].map(Result::unwrap);
     assert_eq!((&along.blocks, &along.boundaries), (&up.blocks, &up.boundaries));
@@ -264,7 +265,7 @@ fn a_mesh_follows_a_path_across_it_and_without_turning() {
         let bar = plate.extruded_along(&[[0.0; 3], end], Change { twist: 0.1, ..Change::NONE }).unwrap();
         assert_sound("bar", &bar, &names, 0.5);
     }
-    // a helix: the volume of its length, and a frame that turns against the normal by the torsion times the length (R. Bishop, 1975)
+    // a helix: its volume, and a frame that rotates relative to the normal by the torsion times the length (R. Bishop, 1975)
     let (radius, rise, turn) = (2.0, 0.5, 5.0);
     let speed = f64::hypot(radius, rise);
     let errors = [40, 80].map(|steps| {
@@ -295,7 +296,7 @@ fn a_path_that_ends_at_its_start_closes() {
     // the same solid by revolution
     let turned = ring(0.1, 0.2, [1, 8], [1.5, 0.0], 0.1).unwrap().revolved(TAU, 24, Axis::Y, 1.0, Prisms::Cut).unwrap();
     assert!(relative(torus.measure(), turned.measure()) < ROUND_OFF);
-    // a knot in space (a trefoil): what the frame has turned by is spread over its length
+    // a trefoil knot: the rotation of the frame is distributed over its length
     let trefoil = |steps: usize| -> Vec<[f64; 3]> {
         let at = |t: f64| [t.sin() + 2.0 * (2.0 * t).sin(), t.cos() - 2.0 * (2.0 * t).cos(), -(3.0 * t).sin()];
         (0..=steps).map(|k| at(TAU * k as f64 / steps as f64)).collect()
@@ -317,7 +318,7 @@ fn paths_that_cannot_be_followed_are_refused_where_they_fail() {
     assert!(matches!(error(&[o, [f64::NAN, 0.0, 0.0]]), MeshError::NotFinite { .. }));
     assert_eq!(error(&[o, x, x, y]).to_string(), "the points 2 and 3 of the path are at the same place, (1, 0, 0)");
     assert_eq!(error(&[o, x, [0.5, 0.1, 0.0]]).to_string(), "the path turns by 169 degrees at its point 2, (1, 0, 0)");
-    // a bend of the radius 0.3 that the section of the half width 0.5 does not get round
+    // a bend of the radius 0.3, too sharp for a section of the half width 0.5
     let bend = helix(0.3, 0.0, PI, 12);
     assert!(matches!(error(&bend), MeshError::SweptOver { .. }));
     for refused in [error(&[o]), error(&[o, x, x]), error(&bend)] {

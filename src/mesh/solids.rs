@@ -1,9 +1,9 @@
-//! Structured solids with round sides, of hexahedra: tube, cylinder, torus, and what is round in every direction.
+//! Structured solids with round sides, of hexahedra: tube, cylinder, torus, sphere, rounded block.
 //!
-//! Spheres and rounded blocks have no poles. The surface of a grid of cells grows outward in layers, six blocks round a core (C. Ronchi,
-//! R. Iacono, P. Paolucci, J. Comput. Phys. 124, 1996, 93-114, section 2). A grid line has a base `b` and a slope `t = tan(a)` from -1 to
-//! 1; node `b + r t/|t|` of the surface lies on the sphere of radius `r` about `b`, where the angles `a` are even. In a sphere all bases
-//! are its center; in a rounded block they are on the block within, and `t = 0` along its flat sides.
+//! Spheres and rounded blocks have no poles. The surface of a grid of cells grows outward in layers, as six blocks around a core (C.
+//! Ronchi, R. Iacono, P. Paolucci, J. Comput. Phys. 124, 1996, 93-114, section 2). A grid line has a base `b` and a slope `t = tan(a)` from
+//! -1 to 1; node `b + r t/|t|` of the surface lies on the sphere of radius `r` about `b`, with uniform angles `a`. In a sphere all bases
+//! are its center; in a rounded block they lie on the inner block, and `t = 0` along its flat sides.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
@@ -31,8 +31,8 @@ pub fn cylinder(radius: f64, height: f64, cells: [usize; 3], base: [f64; 3], gra
     disk.extruded(height, cells[2], grading, Change::NONE)?.translate(base)
 }
 
-/// A solid ring of hex8 cells about the z axis through `center` `[length]`: a [`disk`] of the radius `section_radius` whose middle goes
-/// round at the distance `ring_radius`; `cells` are its layers, around the section, and along the ring; boundary `outer`.
+/// Solid torus of hex8 cells about the z axis through `center` `[length]`: a [`disk`] of the radius `section_radius` whose center moves
+/// around at the distance `ring_radius`; `cells` are its layers, cells around the section, and cells along the ring; boundary `outer`.
 ///
 /// # Errors
 /// Errors of [`disk`] and [`Mesh::revolved`]; a section that reaches the axis.
@@ -114,13 +114,13 @@ pub fn rounded_block(size: [f64; 3], radius: f64, cells: [usize; 3], around: [us
     let is_flat = |slopes: [f64; 3]| slopes.iter().filter(|slope| **slope != 0.0).count() == 1;
     let named = |side: &Side| if side.slopes.iter().all(|&slopes| is_flat(slopes)) { side.name.clone() } else { "edges".into() };
     let mut mesh = grown.mesh(named);
-    // the flat sides first, as those of a block
+    // flat sides first, in the order of those of a block
     mesh.boundaries.sort_by_key(|boundary| boundary.name == "edges");
     mesh.translate(origin)
 }
 
-/// Distance of the middle of a core's side from the center, over the radius, and how far the core is drawn from a cube to a sphere: the
-/// scaled Jacobian is 0.68 and more for every number of cells, near the best that both can do.
+/// Distance of the center of a core's side from the sphere's center, over the radius, and blending of the core between cube and sphere: the
+/// scaled Jacobian is at least 0.68 for every number of cells, near the optimum of both parameters.
 const CORE: f64 = 0.45;
 const BULGE: f64 = 0.6;
 
@@ -131,13 +131,13 @@ struct Line {
     slope: f64,
 }
 
-/// Slopes of -1, 0 and 1 without round-off.
+/// Value with slopes of -1, 0 and 1 free of round-off.
 fn exact(slope: f64) -> f64 {
     let whole = slope.round();
     if (slope - whole).abs() < crate::math::tolerances::PLANE { whole } else { slope }
 }
 
-/// The grid lines of a sphere.
+/// Grid lines of a sphere.
 fn round_line(cells: [usize; 2]) -> Result<Vec<Line>, MeshError> {
     at_least("along the radius", cells[0], 1)?;
     let side = cells[1] / 4;
@@ -150,16 +150,16 @@ fn round_line(cells: [usize; 2]) -> Result<Vec<Line>, MeshError> {
 
 /// A facet of a grid's surface.
 struct Side {
-    /// The side of the grid that it is on.
+    /// Name of its side of the grid.
     name: String,
     nodes: Vec<u32>,
     /// Slopes of the lines at its nodes.
     slopes: Vec<[f64; 3]>,
 }
 
-/// A grid whose surface has grown outward.
+/// Grid with layers around its surface.
 struct Grown {
-    /// With the cells of the core first, if there is one, and without boundaries.
+    /// Mesh with the cells of the core first, if there is a core, and without boundaries.
     mesh: Mesh,
     sides: Vec<Side>,
     layers: usize,
@@ -167,7 +167,8 @@ struct Grown {
 }
 
 impl Grown {
-    /// With a core, `places` are shares of the way from it to the surface, without one distances from the bases over the radius.
+    /// Constructs the layers: with a core, `places` are fractions of the distance from the core to the surface, without a core distances
+    /// from the bases over the radius.
     fn new(lines: [&[Line]; 3], core: Option<f64>, radius: f64, places: &[f64]) -> Result<Grown, MeshError> {
         let counts = lines.map(|line| line.len() - 1);
         let layers = places.len() - 1;
@@ -225,7 +226,7 @@ impl Grown {
         Ok(Grown { mesh, sides, layers, has_core: core.is_some() })
     }
 
-    /// The mesh, with each facet of its surface in a boundary of that name, and with `inner` if there is no core.
+    /// Mesh with each facet of its surface in a boundary named by `named`, and with `inner` if there is no core.
     fn mesh(self, named: impl Fn(&Side) -> String) -> Mesh {
         let Grown { mut mesh, sides, layers, has_core } = self;
         let core = mesh.cell_count() - layers * sides.len();

@@ -16,7 +16,7 @@ pub(super) type CurveSegment = (usize, [f64; 2]);
 
 /// Columns along a stretch of the rim.
 pub(super) struct Strip {
-    /// The points of each column, from the boundary on; a closed strip names its first column again as its last one.
+    /// Points of each column, from the boundary inward; a closed strip repeats its first column as the last one.
     pub columns: Vec<Vec<Point>>,
     /// Role of each column node in the mesh of the remaining region.
     pub nodes: Vec<Vec<Node>>,
@@ -103,7 +103,7 @@ impl Layered {
         if strip.is_closed {
             strip.nodes[last] = strip.nodes[0].clone();
         } else if let Some(&(column, level)) = path.last() {
-            // the first vertex of the gap that follows
+            // first vertex of the following gap
             strip.nodes[column][level] = Node::Vertex(self.rest.vertices.len());
         }
         let number = self.strips.len();
@@ -221,8 +221,8 @@ fn sorted([a, b]: [u32; 2]) -> [u32; 2] {
     [a.min(b), a.max(b)]
 }
 
-/// Adds mid-side nodes of a stack along a curve: the sagitta of each level is that of the curve in proportion to the length of the level,
-/// so that thin cells on a curve are not inverted.
+/// Adds mid-side nodes of a stack along a curve: the sagitta of each level is proportional to its length, so that thin cells on a curve are
+/// not inverted.
 fn note_middles(strip: &Strip, stack: usize, nodes: &[Vec<u32>], rest: &Rim, placed: &mut PlacedEdges) {
     let (curve, [from, to]) = strip.pieces[stack];
     let Some(on) = rest.on_curve(curve, 0.5 * (from + to)) else { return };
@@ -238,7 +238,7 @@ fn note_middles(strip: &Strip, stack: usize, nodes: &[Vec<u32>], rest: &Rim, pla
         let middle = [0, 1].map(|i| straight[i] + share * (on[i] - foot[i]));
         placed.insert(sorted([nodes[stack][level], nodes[stack + 1][level]]), middle);
         if let Some(below) = below {
-            // whichever diagonal cuts the cell
+            // independent of the diagonal that divides the cell
             let center = half([below, middle]);
             placed.insert(sorted([nodes[stack][level - 1], nodes[stack + 1][level]]), center);
             placed.insert(sorted([nodes[stack + 1][level - 1], nodes[stack][level]]), center);

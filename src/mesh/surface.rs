@@ -11,8 +11,8 @@ use crate::math::tolerances::{PIERCED, SAME_PLACE};
 
 type Vector = [f64; 3];
 
-/// Part of an edge that must be behind a facet that it goes through. Polygons on round sides that touch, whose nodes do not match, are
-/// within each other by an eighth of the angle between facets, 0.03 at 15 degrees.
+/// Smallest part of an edge behind a facet that counts as an intersection. Polygons on touching round sides with nonmatching nodes overlap
+/// by an eighth of the angle between facets, 0.03 at 15 degrees.
 const DEEP: f64 = 0.05;
 
 impl Mesh {
@@ -49,7 +49,7 @@ impl Mesh {
         Some(MeshError::FoldedFacet { cell: facet.cell.into(), at: middle(&self.places(nodes)), count: folded.len() })
     }
 
-    /// Facets of the hull that are at the same places.
+    /// Coincident facets of the hull without common nodes.
     fn unjoined(&self, hull: &[(Facet, Vec<u32>)]) -> Option<MeshError> {
         let extent = self.points.as_flattened().iter().fold(0.0, |most: f64, x| most.max(x.abs()));
         let near = (SAME_PLACE * extent).powi(2);
@@ -57,7 +57,7 @@ impl Mesh {
         nodes.sort_unstable();
         nodes.dedup();
         let tree = RTree::bulk_load(nodes.iter().map(|&node| GeomWithData::new(self.points[node as usize], node)).collect());
-        // the least node at its place stands for all that are there
+        // the smallest node at a place represents all nodes there
         let first = |node: u32| tree.locate_within_distance(self.points[node as usize], near).map(|found| found.data).min().unwrap_or(node);
         let firsts: HashMap<u32, u32> = nodes.iter().map(|&node| (node, first(node))).collect();
         let mut keyed: Vec<(Vec<u32>, usize)> = hull
@@ -75,7 +75,7 @@ impl Mesh {
         Some(MeshError::Unjoined { count: on_each_other.len(), at: middle(&self.places(&hull[index].1)) })
     }
 
-    /// Edges of the hull that go through facets with which they have no node in common.
+    /// Edges of the hull that intersect facets without common nodes.
     fn crossing(&self, hull: &[(Facet, Vec<u32>)]) -> Option<MeshError> {
         let boxes = hull.iter().zip(0usize..).map(|((_, nodes), index)| {
             let [low, high] = bounds(&self.places(nodes));
@@ -130,9 +130,9 @@ fn pierced(a: Vector, b: Vector, facet: &[Vector]) -> Option<Vector> {
         }
         let at = [0, 1, 2].map(|i| a[i] + share * along[i]);
         let arm = between(p, at);
-        // shares of the second and the third corner; what they leave is that of the first
+        // weights of the second and the third corner; the first has the remainder
         let [second, third] = [dot(normal, cross(arm, v)) / square, dot(normal, cross(u, arm)) / square];
-        // across the diagonal, between the first and the third corner, the second has no share
+        // across the diagonal, between the first and the third corner, the second has weight 0
         let on_diagonal = if has_diagonal { -PIERCED } else { PIERCED };
         (second > on_diagonal && third > PIERCED && 1.0 - second - third > PIERCED).then_some(at)
     };
@@ -149,7 +149,7 @@ mod tests {
     use crate::elements::CellKind;
     use crate::mesh::{Change, block, disk, rectangle, sphere, torus};
 
-    /// Two meshes as one, their nodes apart.
+    /// Union of two meshes without common nodes.
     fn together(one: &Mesh, other: &Mesh) -> Mesh {
         let shift = one.points.len() as u32;
         let mut both = one.clone();
@@ -195,7 +195,7 @@ mod tests {
                 assert_eq!(together(&cube, &moved(&cube, by)).surface_defects(), [], "{by:?}");
             }
         }
-        // a bar that is drawn through itself
+        // a bar extruded through itself
         let mut path: Vec<Vector> = (0..=30).map(|k| 0.2 * f64::from(k)).map(|t| [2.0 * t.sin(), 2.0 * t.cos(), 0.02 * t]).collect();
         path.extend((31..=40).map(|k| 0.2 * f64::from(k)).map(|t| [2.0 * t.sin(), 2.0 * t.cos(), 0.02 * t]));
         let coil = disk(0.3, [1, 8], [0.0; 2]).unwrap().extruded_along(&path, Change::NONE).unwrap();
@@ -214,14 +214,14 @@ mod tests {
     #[test]
     fn a_folded_facet_is_found_though_its_cell_can_be_computed_with() {
         let mut cube = block([1.0; 3], [2, 2, 1], [0.0; 3]).unwrap();
-        // the corner of the upper side drawn over its diagonal
+        // corner of the upper side moved over its diagonal
         let corner = cube.points.iter().position(|point| *point == [1.0; 3]).unwrap();
         cube.points[corner] = [0.72, 0.72, 1.0];
         assert_eq!(cube.defects(), []);
         let found = cube.surface_defects();
         assert!(matches!(found[..], [MeshError::FoldedFacet { cell: 3, count: 1, .. }]), "{found:?}");
         assert!(found[0].hint().contains("tetrahedra"));
-        // warped as it may be
+        // permitted warping
         cube.points[corner] = [1.0, 1.0, 1.4];
         assert_eq!(cube.surface_defects(), []);
     }

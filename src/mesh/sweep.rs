@@ -1,7 +1,7 @@
-//! A plane mesh moved through space: what it sweeps over.
+//! Sweep of a plane mesh through space.
 //!
-//! Every node becomes a line of nodes, one on each place of the section, every cell a row of cells. The plane mesh's boundaries become the
-//! sides under their names; the first and the last place are boundaries, too, unless the way closes.
+//! Every node becomes a line of nodes, one for each position of the section, and every cell a row of cells. The boundaries of the plane
+//! mesh become sides of the same names; the first and the last section are boundaries, too, unless the sweep is closed.
 
 use std::collections::HashMap;
 
@@ -11,7 +11,7 @@ use crate::elements::{CellKind, CellShape};
 
 /// Motion of a section along a sweep.
 pub(super) struct Sweep<'a> {
-    /// Number of cells along the way.
+    /// Number of layers of cells.
     pub layers: usize,
     /// True if the sweep is closed: the last section coincides with the first.
     pub is_closed: bool,
@@ -23,7 +23,7 @@ pub(super) struct Sweep<'a> {
     pub prisms: Prisms,
 }
 
-/// Cells that a section sweeps over from its triangles.
+/// Solid cells swept by triangles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Prisms {
     /// Three tetrahedra each.
@@ -47,12 +47,12 @@ fn solid_kind(kind: CellKind, keeps_prisms: bool) -> Result<(CellKind, usize), M
 }
 
 impl Mesh {
-    /// Returns the solid mesh that the plane mesh sweeps over.
+    /// Returns the solid mesh swept by the plane mesh.
     ///
-    /// Cells are hexahedra, or prisms cut into three tetrahedra each: quad4 as hex8, quad8 as hex20, quad9 as hex27, tri3 as tet4, tri6 as
-    /// tet10. Triangles become wedges, wedge6 or wedge15, where `prisms` says so and beside quadrilaterals. Nodes
-    /// between two layers lie in the middle. `place(k, node)` is the position of a node of the plane mesh after `k` layers. Names of
-    /// the ends get an underscore appended if the plane mesh has those names.
+    /// quad4 gives hex8, quad8 hex20, quad9 hex27, tri3 tet4 and tri6 tet10 (three tetrahedra in each prism). Triangles become wedges,
+    /// wedge6 or wedge15, if `prisms` requires it and beside quadrilaterals. Nodes between two layers lie in the middle. `place(k, node)`
+    /// is the position of a node of the plane mesh after `k` layers. Names of the ends get an underscore appended if the plane mesh has
+    /// boundaries of these names.
     ///
     /// # Errors
     /// Cells in space, too many cells, coordinates that are not finite, a section that sweeps over itself.
@@ -62,7 +62,7 @@ impl Mesh {
         let kinds: Vec<(CellKind, usize)> = self.kinds().map(|kind| solid_kind(kind, keeps_prisms)).collect::<Result<_, _>>()?;
         limited(&[self.numbered_blocks().zip(&kinds).map(|((_, block), (_, per_cell))| block.count() * per_cell).sum(), layers])?;
         let count = self.points.len() as u32;
-        // Levels of nodes: two for each layer where there are nodes in the middle of edges.
+        // Levels of nodes: two for each layer of cells with mid-side nodes.
         let steps = if self.is_quadratic() { 2 } else { 1 };
         let levels = steps * layers;
         let rows = if is_closed { levels } else { levels + 1 };
@@ -132,10 +132,10 @@ impl Mesh {
         }
     }
 
-    /// The boundaries of this mesh as sides of what it has swept over, whose hull is given.
+    /// Adds the boundaries of this mesh as sides of the swept solid, whose hull is given.
     fn sides_into(&self, solid: &mut Mesh, hull: &[Facet], rows: u32) {
         let count = self.points.len() as u32;
-        // facets of the solid by the nodes of the section that they stand on, each once
+        // facets of the solid by the nodes of the section below them, each once
         let mut sides: HashMap<Vec<u32>, Vec<Facet>> = HashMap::new();
         for &facet in hull {
             let mut on: Vec<u32> = solid.facet_nodes(facet).map(|node| node % count).collect();
@@ -155,7 +155,7 @@ impl Mesh {
         }
     }
 
-    /// Leaves out the nodes of no cell; the others keep their order.
+    /// Removes nodes without cells; the others keep their order.
     fn leave_out_unused(&mut self) {
         let mut numbers = vec![u32::MAX; self.points.len()];
         self.connectivity().for_each(|node| numbers[node as usize] = 0);
@@ -169,7 +169,7 @@ impl Mesh {
     }
 }
 
-/// For each node of a hexahedron or wedge the node of the plane cell below it, and its level.
+/// Node of the plane cell below each node of a hexahedron or wedge, and its level.
 fn places_in(kind: CellKind, plane: CellKind) -> Vec<(usize, u32)> {
     let below = plane.row().node_places;
     let steps = if kind.is_quadratic() { 1.0 } else { 0.5 };
@@ -177,22 +177,22 @@ fn places_in(kind: CellKind, plane: CellKind) -> Vec<(usize, u32)> {
     kind.row().node_places.iter().filter_map(|&place| of_node(place)).collect()
 }
 
-/// The node of a triangle of second order, and its level, in the middle between two corners of its prism.
+/// Node of a second-order triangle, and its level, between two corners of its prism.
 fn between(cell: &[u32], [(a, a_above), (b, b_above)]: [(usize, bool); 2]) -> (u32, u32) {
     let level = u32::from(a_above) + u32::from(b_above);
-    // the middle of the edge from a corner to the next one has its number, three further
+    // the mid-side node from a corner to the next one has the number of the corner plus three
     let local = if a == b { a } else { 3 + if (a + 1) % 3 == b { a } else { b } };
     (cell[local], level)
 }
 
-/// The three tetrahedra of a prism over a triangle: corners of the triangle, each with whether it is the one above. The side over an edge
-/// is cut from below the edge's lesser node to above the greater one, so that neighbors agree (J. Dompierre et al., 8th International
-/// Meshing Roundtable, 1999).
+/// Three tetrahedra of a prism over a triangle: corners of the triangle, each with true for the upper one. The side over an edge is divided
+/// from the lower end at the edge's smaller node to the upper end at the larger one, so that neighbors agree (J. Dompierre et al., 8th
+/// International Meshing Roundtable, 1999).
 fn tetrahedra(triangle: &[u32]) -> [[(usize, bool); 4]; 3] {
     let first = (0..3).min_by_key(|&k| triangle[k]).unwrap_or_default();
     let [a, b, c] = [0, 1, 2].map(|k| (first + k) % 3);
     let (below, above) = (|node: usize| (node, false), |node: usize| (node, true));
-    // counter-clockwise from the least node: the order of the other two decides the cut of the side over them
+    // counter-clockwise from the smallest node: the order of the other two determines the division of the side over them
     if triangle[b] < triangle[c] {
         [[below(a), below(b), below(c), above(c)], [below(a), below(b), above(c), above(b)], [below(a), above(b), above(c), above(a)]]
     } else {

@@ -1,14 +1,14 @@
-//! Topology of a mesh: facets by their node sets, the outer hull.
+//! Topology of a mesh: facets by their node sets, the hull.
 //!
-//! A facet is identified by its sorted nodes, in space one of second order by its mid-side nodes. Sorting all facets of a mesh brings the
-//! sides of each together, which finds the hull (one side) and overlapping cells (more than two) without hashing.
+//! A facet is identified by its sorted nodes, a second-order face in space by its mid-side nodes. Sorting all facets of a mesh makes the
+//! sides of each consecutive, which gives the hull (one side) and overlapping cells (more than two) without hashing.
 
 use super::{Facet, Mesh};
 
-/// The sorted nodes of a facet, filled up with `u32::MAX` in the plane.
+/// Sorted nodes of a facet, padded with `u32::MAX` in the plane.
 pub(super) type FacetKey = [u32; 4];
 
-/// The key of the nodes of a facet.
+/// Key of a facet from its nodes.
 pub(super) fn facet_key(nodes: impl Iterator<Item = u32>) -> FacetKey {
     let (mut all, mut count) = ([u32::MAX; 9], 0);
     for (slot, node) in all.iter_mut().zip(nodes) {
@@ -26,7 +26,7 @@ pub(super) fn facet_key(nodes: impl Iterator<Item = u32>) -> FacetKey {
     key
 }
 
-/// The pieces of a face with so many nodes, by the places of their nodes in it, each from a corner of the face on where it has one.
+/// Flat pieces of a face with `nodes` nodes, by indices of its nodes, each from a corner of the face if it has one.
 pub fn flat_pieces(nodes: usize) -> &'static [&'static [usize]] {
     match nodes {
         3 => &[&[0, 1, 2]],
@@ -37,7 +37,7 @@ pub fn flat_pieces(nodes: usize) -> &'static [&'static [usize]] {
     }
 }
 
-/// The pieces of a face with these nodes, between them.
+/// Flat pieces of a face with these nodes.
 pub fn pieces_of(face: &[u32]) -> Vec<Vec<u32>> {
     flat_pieces(face.len()).iter().map(|piece| piece.iter().map(|&k| face[k]).collect()).collect()
 }
@@ -51,7 +51,7 @@ impl Mesh {
         })
     }
 
-    /// Facets with their keys, sorted so that the sides of one facet follow each other.
+    /// Facets with their keys, sorted so that the sides of one facet are consecutive.
     pub(super) fn sorted_facets(&self) -> Vec<(FacetKey, Facet)> {
         let mut sorted: Vec<_> = self.facets().map(|facet| (facet_key(self.facet_nodes(facet)), facet)).collect();
         sorted.sort_unstable();
@@ -66,7 +66,7 @@ impl Mesh {
         hull
     }
 
-    /// The straight pieces of a facet in the plane, given by their ends: two where it has a middle node; none of a face, which is no edge.
+    /// Straight pieces of a facet in the plane, given by their ends: two for an edge with a mid-side node; none for a face in space.
     pub fn straight_pieces(&self, facet: Facet) -> Vec<[u32; 2]> {
         let nodes: Vec<u32> = self.facet_nodes(facet).filter(|_| self.dimension() == 2).collect();
         match nodes[..] {
@@ -76,7 +76,7 @@ impl Mesh {
         }
     }
 
-    /// The nodes around a face in space: of one of second order a corner and a middle in turn, the center left out.
+    /// Nodes around a face in space: for second order corners and mid-side nodes alternately, without the center.
     pub fn around(&self, facet: Facet) -> Vec<u32> {
         let nodes: Vec<u32> = self.facet_nodes(facet).collect();
         let corners = match nodes.len() {
@@ -87,12 +87,12 @@ impl Mesh {
         (0..corners).flat_map(|k| [nodes[k], nodes[corners + k]]).collect()
     }
 
-    /// The pieces of a face in space, of three and four nodes, that stand for it: one of second order is cut at the middles of its edges.
+    /// Pieces of three and four nodes that represent a face in space: a second-order face is divided at the midpoints of its edges.
     pub fn flat_pieces(&self, facet: Facet) -> Vec<Vec<u32>> {
         pieces_of(&self.facet_nodes(facet).collect::<Vec<u32>>())
     }
 
-    /// The straight pieces of the hull of a plane mesh, the body on their left.
+    /// Straight pieces of the hull of a plane mesh, with the body on the left.
     pub fn outline(&self) -> Vec<[u32; 2]> {
         self.hull().into_iter().flat_map(|facet| self.straight_pieces(facet)).collect()
     }

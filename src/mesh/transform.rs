@@ -1,6 +1,6 @@
-//! A mesh moved, turned or scaled: each takes the mesh and returns another.
+//! Translation, rotation and scaling of a mesh; each takes the mesh and returns another one.
 //!
-//! Transforms move nodes only, so boundaries and parts stay as they are.
+//! Transforms move nodes only, so boundaries and parts do not change.
 
 use super::{Mesh, MeshError};
 
@@ -57,7 +57,7 @@ impl Mesh {
         self.checked()
     }
 
-    /// The mesh scaled by a factor per direction about the origin; the third is of no effect on a plane mesh.
+    /// Mesh scaled by a factor per direction about the origin; the third has no effect on a plane mesh.
     ///
     /// # Errors
     /// Factors that are not finite and positive.

@@ -1,7 +1,8 @@
-//! Triangles in a region whose rim is given in pieces.
+//! Triangulation of a region whose rim is given in pieces.
 //!
-//! Constrained Delaunay, refined to angles of about 30 degrees at least and to the wanted size (J. Ruppert, J. Algorithms 18, 1995). Where
-//! the size varies, vertices are first put into the circumcenters of triangles that are too large, if no vertex is near there.
+//! Constrained Delaunay triangulation, refined to angles of at least about 30 degrees and to the requested size (J. Ruppert, J. Algorithms
+//! 18, 1995). If the size varies, vertices are first inserted at the circumcenters of triangles that are too large, unless another vertex
+//! is near.
 
 use std::collections::HashMap;
 
@@ -16,7 +17,7 @@ use super::{CELL_LIMIT, MeshError};
 
 /// Smallest angle of the refinement, in degrees; above 33 termination is not guaranteed.
 const ANGLE: f64 = 28.0;
-/// Ratio of area to squared wanted edge above which a triangle is too large; an equilateral one has 0.43.
+/// Ratio of area to squared requested edge length above which a triangle is too large; an equilateral one has 0.43.
 const LARGE: f64 = 0.6;
 /// Distance of a new vertex from the others, relative to the wanted edge, below which the vertex is left out.
 const NEAR: f64 = 0.6;
@@ -24,7 +25,7 @@ const NEAR: f64 = 0.6;
 type Faces = std::collections::HashSet<spade::handles::FixedFaceHandle<spade::handles::InnerTag>>;
 type Constrained = ConstrainedDelaunayTriangulation<Point2<f64>>;
 
-/// The outline and the holes in pieces of about one edge, the body on their left.
+/// Outline and holes in pieces of about one edge, with the body on their left.
 #[derive(Default)]
 pub(super) struct Rim {
     /// Start points of the rim segments `[length]`.
@@ -58,7 +59,7 @@ impl Rim {
         self.labels.push(label);
     }
 
-    /// Closes the loop that began with the vertex `first`, and lets it go round counter-clockwise or clockwise.
+    /// Closes the loop that began with the vertex `first` and orients it counter-clockwise or clockwise.
     pub fn close_loop(&mut self, first: usize, is_counter_clockwise: bool) {
         if let Some(last) = self.next.last_mut() {
             *last = first;
@@ -91,7 +92,7 @@ impl Rim {
         self.middles.get(&piece).copied().or_else(|| self.between(piece, 0.5))
     }
 
-    /// The names of the boundaries that a piece belongs to.
+    /// Names of the boundaries of a piece.
     pub fn names(&self, piece: usize) -> &[String] {
         &self.names[self.pieces[piece].0]
     }
@@ -111,7 +112,7 @@ impl Rim {
         (0..self.vertices.len()).map(|k| cross(self.vertices[k], self.vertices[self.next[k]])).sum::<f64>() / 2.0
     }
 
-    /// A rim without pieces of the same curves, and of a front with this label.
+    /// Rim without pieces on the curves of another rim, with a curve for fronts with this label.
     pub fn of_curves(rim: &Rim, front: String) -> Rim {
         let mut rest = Rim { curves: rim.curves.clone(), names: rim.names.clone(), labels: rim.labels.clone(), ..Rim::default() };
         rest.curves.push(Curve::Line { from: [0.0; 2], to: [0.0; 2] });
@@ -120,7 +121,7 @@ impl Rim {
         rest
     }
 
-    /// The number of the curve of fronts, in a rim that has one.
+    /// Index of the curve of fronts, in a rim that has one.
     pub fn front(&self) -> usize {
         self.curves.len() - 1
     }
@@ -135,24 +136,24 @@ impl Rim {
         number
     }
 
-    /// Closes the loop that began with the vertex `first`, the body on its left.
+    /// Closes the loop that began with the vertex `first`, with the body on its left.
     pub fn end_loop(&mut self, first: usize) {
         if let Some(last) = self.next.last_mut() {
             *last = first;
         }
     }
 
-    /// A point of a curve.
+    /// Point of a curve at a parameter.
     pub fn curve_at(&self, curve: usize, t: f64) -> [f64; 2] {
         self.curves[curve].at(t)
     }
 
-    /// A point of a curve that is not straight.
+    /// Point of a curve at a parameter; `None` for a straight curve.
     pub fn on_curve(&self, curve: usize, t: f64) -> Option<[f64; 2]> {
         (!matches!(self.curves[curve], Curve::Line { .. })).then(|| self.curves[curve].at(t))
     }
 
-    /// Two pieces that have a point in common.
+    /// Error of two pieces with a common point.
     fn crossing(&self, piece: usize, other: usize) -> MeshError {
         let label = |piece: usize| self.labels[self.pieces[piece].0].clone();
         MeshError::CrossingCurves { first: label(other), second: label(piece), near: self.vertices[piece] }
@@ -165,10 +166,10 @@ pub(super) struct Triangles {
     pub triangles: Vec<[usize; 3]>,
 }
 
-/// Triangles whose edges are about `factor` times the size.
+/// Triangulation with edges of about `factor` times the size.
 pub(super) fn triangulate<E: From<MeshError>>(rim: &Rim, size: &mut CellSize<E>, factor: f64) -> Result<Triangles, E> {
     if let CellSize::Even(even) = size {
-        // Estimated before memory and time are taken.
+        // Estimate before memory is allocated.
         counted(rim.area() / (*even * *even))?;
     }
     let mut triangulation = constrained(rim)?;
@@ -185,7 +186,7 @@ pub(super) fn triangulate<E: From<MeshError>>(rim: &Rim, size: &mut CellSize<E>,
         size => fill(&mut triangulation, size, factor)?,
     }
     let outside: Faces = triangulation.refine(parameters).excluded_faces.into_iter().collect();
-    // refinement only adds vertices, so those of the rim keep their places at the beginning
+    // refinement only adds vertices, so those of the rim stay at the beginning
     let vertices: Vec<[f64; 2]> = triangulation.vertices().map(|vertex| [vertex.position().x, vertex.position().y]).collect();
     let inside = triangulation.inner_faces().filter(|face| !outside.contains(&face.fix()));
     let triangles: Vec<[usize; 3]> = inside.map(|face| face.vertices().map(|vertex| vertex.fix().index())).collect();
@@ -194,11 +195,11 @@ pub(super) fn triangulate<E: From<MeshError>>(rim: &Rim, size: &mut CellSize<E>,
 
 /// Refuses an estimated number of cells that exceeds the limit or the memory.
 fn counted(cells: f64) -> Result<(), MeshError> {
-    // What is no number is as good as endless.
+    // NaN counts as infinity.
     room_for(if cells.is_nan() { usize::MAX } else { cells as usize }, UNSTRUCTURED)
 }
 
-/// The rim alone, its pieces kept.
+/// Triangulation of the rim alone, with its pieces as constraints.
 fn constrained(rim: &Rim) -> Result<Constrained, MeshError> {
     let mut triangulation = Constrained::new();
     let mut handles = Vec::with_capacity(rim.vertices.len());
@@ -246,7 +247,7 @@ fn fill<E: From<MeshError>>(triangulation: &mut Constrained, size: &mut CellSize
             cells += factor * factor * excess;
             if excess > LARGE {
                 let circle = face.circumcenter();
-                // outside, the center of the triangle itself stands for it
+                // if the circumcenter is outside, the centroid of the triangle is used
                 let is_inside = matches!(triangulation.locate(circle), PositionInTriangulation::OnFace(face) if !outside.contains(&face));
                 let at = if is_inside { circle } else { center };
                 wanted.push((excess, [at.x, at.y], [center.x, center.y]));

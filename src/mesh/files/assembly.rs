@@ -1,5 +1,5 @@
-//! From the tables of a file to a mesh: numbers become indices, groups become parts and boundaries. Plane cells whose nodes run clockwise
-//! are reversed.
+//! Conversion of the tables of a file to a mesh: numbers become indices, groups become parts and boundaries. Clockwise plane cells are
+//! reversed.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
@@ -54,8 +54,8 @@ pub(super) fn assemble(mut tables: Tables, options: ReadOptions) -> Result<(Mesh
     Ok((mesh, notes))
 }
 
-/// Shells count as facets of solid cells only. Without solid cells they are left out beside plane cells, and are refused or taken as plane
-/// cells where there are no others.
+/// Handles shells: on solid cells they are facets, beside plane cells they are left out, and without other cells they are refused or read
+/// as plane cells.
 fn settle_structural(tables: &mut Tables, options: ReadOptions) -> Result<(), MeshError> {
     let [has_plane, has_solid] = [2, 3].map(|dimension| {
         tables.elements.iter().any(|(shape, elements)| {
@@ -82,7 +82,7 @@ fn settle_structural(tables: &mut Tables, options: ReadOptions) -> Result<(), Me
     Ok(())
 }
 
-/// Tables in which elements that are neither cells nor facets of them are counted as left out, unless that is refused.
+/// Tables in which elements that are neither cells nor facets are counted as left out, unless this is refused.
 fn leave_out_strays(mut tables: Tables, strays: &[(Shape, Place)], options: ReadOptions) -> Result<Tables, MeshError> {
     strays.iter().for_each(|&(shape, at)| tables.leave_out(shape, 1, at));
     match tables.left_out.iter().next() {
@@ -93,7 +93,7 @@ fn leave_out_strays(mut tables: Tables, strays: &[(Shape, Place)], options: Read
     }
 }
 
-/// The kinds of the cells: solid ones where there are any; all of one order.
+/// Kinds of the cells, all of one order: solid ones if there are any.
 fn kinds_of(tables: &Tables) -> Result<Vec<CellKind>, MeshError> {
     let kinds = |dimension: usize| {
         tables.elements.iter().filter_map(move |(shape, elements)| match shape {
@@ -123,10 +123,10 @@ struct Origin {
     at: Place,
 }
 
-/// The sorted corners of a cell, filled up.
+/// Sorted corners of a cell, padded.
 type CellKey = [u32; 8];
 
-/// The nodes of a plane cell in the opposite order, its first node kept.
+/// Reverses the node order of a plane cell, keeping the first node.
 fn reverse(nodes: &mut [u32], corners: usize) {
     nodes[1..corners].reverse();
     let middles = corners..(2 * corners).min(nodes.len());
@@ -140,13 +140,13 @@ fn is_clockwise(corners: &[u32], points: &[[f64; 3]]) -> bool {
     doubled < 0.0
 }
 
-/// Cells and parts, with indices of the node table, where cells stand in the file, and which of them were reversed; points come later.
+/// Cells and parts with indices of the node table, places of the cells in the file, and reversed cells; points are added later.
 fn cells(kinds: &[CellKind], tables: &Tables, numbering: &Numbering) -> Result<(Mesh, Vec<Origin>, HashSet<u32>), MeshError> {
     let mut mesh = Mesh { points: Vec::new(), blocks: Vec::new(), boundaries: Vec::new(), parts: Vec::new() };
     let (mut origins, mut turned) = (Vec::<Origin>::new(), HashSet::new());
     let mut parts: BTreeMap<u64, Vec<u32>> = BTreeMap::new();
     let blocks = || kinds.iter().filter_map(|&kind| Some((kind, tables.elements.get(&Shape::Cell(kind))?)));
-    // version 2.2 of Gmsh's format writes a cell once for each of its physical groups
+    // MSH 2.2 repeats a cell for each of its physical groups
     let mut known: HashMap<CellKey, u32> = HashMap::with_capacity(blocks().map(|(_, elements)| elements.numbers.len()).sum());
     let mut members: HashSet<(u64, u32)> = HashSet::new();
     let mut indices = Vec::new();
@@ -183,7 +183,7 @@ fn cells(kinds: &[CellKind], tables: &Tables, numbering: &Numbering) -> Result<(
     Ok((mesh, origins, turned))
 }
 
-/// An element that stands for a facet.
+/// Element that represents a facet.
 struct FacetElement<'a> {
     shape: Shape,
     elements: &'a Elements,
@@ -204,7 +204,8 @@ fn facet_elements<'a>(mesh: &Mesh, tables: &'a Tables, numbering: &Numbering) ->
     Ok(found)
 }
 
-/// Boundaries from the elements one dimension below the cells, in the order of the file; returns elements that are no cells and no facets.
+/// Adds boundaries from the elements one dimension below the cells, in the order of the file; returns elements that are neither cells nor
+/// facets.
 fn attach_boundaries(mesh: &mut Mesh, tables: &Tables, numbering: &Numbering) -> Result<Vec<(Shape, Place)>, MeshError> {
     let elements = facet_elements(mesh, tables, numbering)?;
     let mut sides: HashMap<FacetKey, [Option<Facet>; 2]> = elements.iter().map(|element| (element.key, [None; 2])).collect();
@@ -214,7 +215,7 @@ fn attach_boundaries(mesh: &mut Mesh, tables: &Tables, numbering: &Numbering) ->
     }
     for facet in mesh.facets() {
         if let Some(found) = sides.get_mut(&facet_key(mesh.facet_nodes(facet))) {
-            // a third side is found when the mesh is checked
+            // a third side is found by the check of the mesh
             if let Some(free) = found.iter_mut().find(|side| side.is_none()) {
                 *free = Some(facet);
             }
@@ -258,9 +259,9 @@ fn attach_boundaries(mesh: &mut Mesh, tables: &Tables, numbering: &Numbering) ->
     Ok(strays)
 }
 
-/// Boundaries of single nodes from groups of points and, in space, of lines on cells, in the order of the file. Nodes that no cell uses,
-/// such as centers of arcs, are left out. A boundary of facets with the name of a group takes the nodes that its facets do not have; a
-/// group without a name gets one of its own.
+/// Adds boundaries of single nodes from groups of points and, in space, of lines on cells, in the order of the file. Nodes without cells,
+/// such as centers of arcs, are left out. If a boundary of facets has the name of a group, its missing nodes are added to it; a group
+/// without a name gets a boundary of its own.
 fn attach_edges_and_points(mesh: &mut Mesh, tables: &Tables, numbering: &Numbering, used: &[u32]) -> Result<(), MeshError> {
     let shapes = [Shape::Line(2), Shape::Line(3), Shape::Point].into_iter().filter(|shape| shape.dimension() + 1 < mesh.dimension());
     let mut boundaries: BTreeMap<(bool, u64), (BTreeSet<u32>, Vec<u32>)> = BTreeMap::new();
@@ -295,7 +296,7 @@ fn attach_edges_and_points(mesh: &mut Mesh, tables: &Tables, numbering: &Numberi
     Ok(())
 }
 
-/// Takes over the nodes that cells use, in their order; returns their indices in the node table.
+/// Takes over the nodes of cells in their order; returns their indices in the node table.
 fn take_used_nodes(mesh: &mut Mesh, tables: &Tables) -> Vec<u32> {
     let mut new_index = vec![u32::MAX; tables.points.len()];
     mesh.connectivity().for_each(|node| new_index[node as usize] = 0);
@@ -309,7 +310,7 @@ fn take_used_nodes(mesh: &mut Mesh, tables: &Tables) -> Vec<u32> {
     used
 }
 
-/// The third coordinate of plane meshes must be zero up to round-off, and is set to exactly zero.
+/// Checks that the third coordinates of a plane mesh are zero up to round-off, and sets them to zero.
 fn flatten(mesh: &mut Mesh, tables: &Tables, used: &[u32]) -> Result<(), MeshError> {
     let size = mesh.points.iter().flat_map(|p| [p[0], p[1]]).fold(0.0, |size: f64, x| size.max(x.abs()));
     for (point, &old) in mesh.points.iter_mut().zip(used) {
@@ -322,7 +323,7 @@ fn flatten(mesh: &mut Mesh, tables: &Tables, used: &[u32]) -> Result<(), MeshErr
     Ok(())
 }
 
-/// A defect in the numbers and places of the file.
+/// Converts a defect to the numbers and places of the file.
 fn placed(mut defect: MeshError, origins: &[Origin], tables: &Tables, used: &[u32]) -> MeshError {
     use MeshError::*;
     match &mut defect {

@@ -1,4 +1,4 @@
-//! Tests of the reader: two small meshes in both versions, everything that can be wrong with them, and arbitrary damage.
+//! Tests of the reader: two small meshes in both versions, all kinds of errors, and random damage.
 
 use std::fmt::Write;
 
@@ -146,13 +146,13 @@ fn problem(error: MeshError) -> FileProblem {
     }
 }
 
-/// The error that a changed text gives.
+/// Error of a changed text.
 fn refusal(text: &str, from: &str, to: &str) -> MeshError {
     assert!(text.contains(from), "{from}");
     read_gmsh(&text.replacen(from, to, 1)).expect_err(to)
 }
 
-/// The line, from 1, in which a piece of text begins.
+/// Line, from 1, in which a part of the text begins.
 fn line_of(text: &str, piece: &str) -> usize {
     text[..text.find(piece).unwrap()].matches('\n').count() + 1
 }
@@ -235,7 +235,7 @@ fn tetrahedra_have_their_physical_surfaces_of_triangles() {
     let core = mesh.part("core").unwrap();
     assert!((core.measure() - 1.0 / 3.0).abs() < 1e-15 && core.boundaries.is_empty());
     assert_eq!(mesh.part("rest").unwrap().cell_count(), 4);
-    // the normal of a facet comes from its cell, whichever way the triangle runs in the file
+    // the normal of a facet follows from its cell, independent of the order of the triangle in the file
     for facet in &mesh.boundary("roof").unwrap().facets {
         let [a, b, c] = <[u32; 3]>::try_from(mesh.facet_nodes(*facet).collect::<Vec<_>>()).unwrap().map(|node| mesh.points[node as usize]);
         assert!((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]) > 0.0);
@@ -250,7 +250,7 @@ fn a_cell_in_two_groups_is_one_cell() {
     assert_eq!(mesh.parts, [("left body".to_string(), vec![0, 1]), ("2".to_string(), vec![1])]);
     let entity = SQUARES_4.replace("2 1 0 0 2 1 0 1 2 1 1", "2 1 0 0 2 1 0 2 2 1 1 1");
     assert_eq!(read_gmsh(&entity).unwrap().parts, mesh.parts);
-    // but twice in one group is an overlap
+    // twice in one group is an overlap
     let twice = SQUARES_2.replace("$Elements\n7\n", "$Elements\n8\n").replace("$EndElements", "8 3 2 2 2 2 3 16 15\n$EndElements");
     assert_eq!(read_gmsh(&twice).unwrap_err(), in_line(line_of(&twice, "8 3 2 2 2"), DuplicateCell { cell: 8, first: 7 }));
 }
@@ -281,7 +281,7 @@ fn other_formats_are_recognized() {
 #[test]
 fn every_truncation_is_an_error_with_a_line() {
     for text in [SQUARES_2, SQUARES_4, &solid_text()] {
-        // the last line may lack its line break
+        // the last line may have no line break
         for end in 0..text.len() - 1 {
             let error = read_gmsh(&text[..end]).expect_err("truncated");
             let line = error.line().unwrap_or_else(|| panic!("{error}"));
@@ -335,7 +335,7 @@ fn absurd_counts_take_no_memory() {
         let error = refusal(text, from, &to);
         assert!(matches!(problem(error), Count { .. } | Malformed { .. }), "{to}");
     }
-    // a node number that would make a table of 2^64 entries
+    // a node number for which a table would have 2^64 entries
     let text = SQUARES_2.replace("99", &huge);
     assert_eq!(read_gmsh(&text).unwrap().points.len(), 6);
     assert_eq!(refusal(SQUARES_2, "$Nodes\n7", "$Nodes\n8").to_string(), "section $Nodes announces 8 entries but has 7");
@@ -354,7 +354,7 @@ fn wrong_numbers_are_refused_in_their_line() {
     assert_eq!(refusal(SQUARES_2, "2 3 16 15", "2 3 17 15"), in_line(28, MissingNode { element: 7, node: 17 }));
     assert_eq!(refusal(SQUARES_2, "2 3 16 15", "2 3 3 15"), MeshError::RepeatedNode { at: Some(Place::Line(28)), cell: 7, node: 3 });
     assert_eq!(refusal(SQUARES_2, "1 1 0\n16", "1 1 1e-3\n16"), in_line(16, NotPlane { node: 15, z: 1e-3 }));
-    // the unused node may be anywhere
+    // the unused node may be at any place
     assert!(read_gmsh(&SQUARES_2.replace("99 5 5 0", "99 5 5 7")).is_ok());
     for (text, from, to) in [
         (SQUARES_2, "15 1 1 0", "15 1 1"),
@@ -382,7 +382,7 @@ fn wrong_numbers_are_refused_in_their_line() {
 fn clockwise_cells_are_reversed_and_crossed_ones_are_an_error_with_place_and_cure() {
     let text = SQUARES_2.replace("2 3 16 15", "2 15 16 3");
     let mesh = read_gmsh(&text).unwrap();
-    // the first node stays, and the boundary below has the facets that it had
+    // the first node is kept, and the boundary below has its facets
     assert_eq!((mesh.cell(1), mesh.measure()), (&[1, 2, 5, 4][..], 2.0));
     assert_eq!(mesh.boundaries, read_gmsh(SQUARES_2).unwrap().boundaries);
     let one = refusal(SQUARES_2, "2 3 16 15", "2 3 15 16");
@@ -450,7 +450,7 @@ proptest! {
         survives(&[SQUARES_4.as_bytes(), &content].concat());
     }
 
-    /// Bytes of a valid file replaced, at places and by characters that matter to the format.
+    /// Replaces bytes of a valid file at places and by characters that are significant for the format.
     #[test]
     fn damaged_bytes_never_panic(
         which in 0..3usize,
@@ -464,7 +464,7 @@ proptest! {
         survives(&content);
     }
 
-    /// Lines of a valid file dropped, doubled, exchanged, and numbers replaced by strange ones.
+    /// Drops, duplicates and exchanges lines of a valid file, and replaces numbers by unusual ones.
     #[test]
     fn damaged_lines_never_panic(
         which in 0..3usize,

@@ -1,7 +1,7 @@
 //! Files of Medit, FreeFEM and MMG (`.mesh`, ASCII): a list of vertices, and a list of elements of each kind.
 //!
-//! Each vertex and element ends with a reference number: those of cells are parts, those of elements one dimension below boundaries, under
-//! the number; 0 stands for none. Corners, ridges, normals and all else are left out (P. J. Frey, Medit: an interactive mesh visualization
+//! Each vertex and element ends with a reference number. Numbers of cells name parts, those of elements one dimension below name
+//! boundaries; 0 means none. Corners, ridges, normals and other data are left out (P. J. Frey, Medit: an interactive mesh visualization
 //! software, INRIA RT-0253, 2001).
 
 use super::tables::{Shape, Tables};
@@ -11,7 +11,7 @@ use crate::elements::CellKind;
 use crate::mesh::MeshError;
 use crate::mesh::file_error::{FileError, FileProblem, Place};
 
-/// Keywords of elements that are read. Hexahedra are written in two ways.
+/// Keywords of supported elements. Hexahedra have two spellings.
 const ELEMENTS: &[(&str, Shape)] = &[
     ("Edges", Shape::Line(2)),
     ("Triangles", Shape::Cell(CellKind::Tri3)),
@@ -23,10 +23,10 @@ const ELEMENTS: &[(&str, Shape)] = &[
     ("Pyramids", Shape::Cell(CellKind::Pyr5)),
 ];
 
-/// Endings of the keywords of elements of second order, whose nodes stand in an order that the mesher chooses.
+/// Endings of the keywords of second-order elements, whose node order depends on the mesher.
 const SECOND_ORDER: [&str; 2] = ["P2", "Q2"];
 
-/// True if a file begins like one of Medit's.
+/// True if a file begins like a Medit file.
 pub(super) fn begins(content: &[u8]) -> bool {
     let keyword = b"MeshVersionFormatted";
     let mut lines = content.split(|&byte| byte == b'\n').map(<[u8]>::trim_ascii).filter(|line| !line.is_empty());
@@ -77,7 +77,7 @@ pub(super) fn read(content: &[u8]) -> Result<Tables, MeshError> {
     Ok(tables)
 }
 
-/// Error of a list that the file ends in.
+/// Error of a list that is cut off by the end of the file.
 fn ended(section: &str, begin: Place, found: usize, announced: usize, at: Place) -> MeshError {
     FileError { at, problem: FileProblem::Truncated { section: section.into(), begin, found, announced } }.into()
 }

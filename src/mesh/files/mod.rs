@@ -1,11 +1,11 @@
 //! Mesh files: Gmsh (MSH 2.2 and 4.1, ASCII and binary), input files of Abaqus and CalculiX, VTU and legacy VTK, Medit, universal files,
-//! bulk data of Nastran, SU2, read; Gmsh 4.1 ASCII, written.
+//! bulk data of Nastran, SU2 are read; Gmsh 4.1 ASCII is written.
 //!
-//! A reader of a format fills tables of nodes, elements and groups; `assembly.rs` makes a mesh of them. Groups of cells become parts,
+//! The reader of a format fills tables of nodes, elements and groups; `assembly.rs` converts them to a mesh. Groups of cells become parts,
 //! groups one dimension below become boundaries; their elements are matched to facets of cells by their node sets, so that orientation
-//! always comes from the cell. Groups of points, and in space of lines, become boundaries of nodes. Nodes that no cell uses are left out
-//! (centers of circles, for instance). Elements of a boundary that lies between two cells stand for both sides. Changes to what a file
-//! holds are returned as notes (`options.rs`); what is wrong is an error with its place.
+//! always follows from the cell. Groups of points, and in space of lines, become boundaries of nodes. Nodes without cells are left out
+//! (centers of circles, for instance). Boundary elements between two cells represent both sides. Changes to the content of a file are
+//! returned as notes (`options.rs`); errors have their place in the file.
 
 mod abaqus;
 mod assembly;

@@ -1,8 +1,8 @@
 //! Bulk data of Nastran (`.bdf`, `.nas`, `.dat`): grid points, cells, constraints of nodes; small, large and free fields.
 //!
-//! The number of the property of a cell is the name of its part, or of its boundary where it is a facet of solid cells; nodes that SPC and
-//! SPC1 hold are boundaries `spc` with the number of the set. CTRIA3, CQUAD4 and their like are shells. Beams, springs, masses and rigid
-//! elements are counted and left out, other cards are not read (MSC Nastran, Quick Reference Guide, "Bulk data entries").
+//! The property number of a cell names its part, or its boundary if it is a facet of solid cells; nodes of SPC and SPC1 form boundaries
+//! `spc` with the number of the set. CTRIA3, CQUAD4 and similar elements are shells. Beams, springs, masses and rigid elements are counted
+//! and left out; other cards are ignored (MSC Nastran, Quick Reference Guide, "Bulk data entries").
 
 use std::collections::BTreeMap;
 
@@ -13,7 +13,7 @@ use crate::elements::CellKind;
 use crate::mesh::MeshError;
 use crate::mesh::file_error::{FileError, FileProblem, Place};
 
-/// Cards of cells: beginning of the name, kinds of first and second order, and whether they are shells.
+/// Cards of cells: prefix of the name, kinds of first and second order, and true for shells.
 const CELLS: &[(&str, CellKind, CellKind, bool)] = &[
     ("CTETRA", CellKind::Tet4, CellKind::Tet10, false),
     ("CHEXA", CellKind::Hex8, CellKind::Hex20, false),
@@ -42,14 +42,14 @@ const STRUCTURAL: &[&str] = &[
     "CROD", "CTUBE", "CVISC", "PLOTEL", "RBAR", "RBE1", "RBE2", "RBE3", "RROD",
 ];
 
-/// Places of nodes of hexahedra and wedges, whose middles along the axis stand before those of the second face.
+/// Node permutation of hexahedra and wedges, whose mid-side nodes along the axis precede those of the second face.
 const HEXAHEDRON: [u8; 20] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 16, 17, 18, 19, 12, 13, 14, 15];
 const WEDGE: [u8; 15] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 12, 13, 14, 9, 10, 11];
 
 /// Data fields of a line: eight of 8 characters, or four of 16.
 const FIELDS: usize = 8;
 
-/// True if a file has grid points of Nastran and does not begin like one of Gmsh.
+/// True if a file has grid points of Nastran and does not begin like a Gmsh file.
 pub(super) fn begins(content: &[u8]) -> bool {
     let is_grid = |line: &[u8]| {
         line.get(..4).is_some_and(|word| word.eq_ignore_ascii_case(b"GRID")) && line.get(4).is_some_and(|&byte| b" ,*\t".contains(&byte))
@@ -77,7 +77,7 @@ impl Card {
         self.field(index).parse().map_err(|_| self.malformed(expected, index))
     }
 
-    /// A real number; nothing is 0. Exponents may follow without a letter: `1.5-3`.
+    /// Real number; 0 for an empty field. Exponents may have no letter: `1.5-3`.
     fn real(&self, index: usize, expected: &'static str) -> Result<f64, MeshError> {
         let text = self.field(index).replace(['D', 'd'], "E");
         if text.is_empty() {
@@ -98,7 +98,7 @@ impl Card {
     }
 }
 
-/// The data fields of a line without comment, and the name in its first field.
+/// Name in the first field of a line, and its data fields without comment.
 fn fields_of(line: &str) -> (String, Vec<String>) {
     if line.contains(',') {
         let mut fields = line.split(',').map(|field| field.trim().to_string());
@@ -112,7 +112,7 @@ fn fields_of(line: &str) -> (String, Vec<String>) {
     (name, (0..64 / width).map(|k| at(8 + width * k, 8 + width * (k + 1))).collect())
 }
 
-/// Hands on the cards of the bulk data one by one, with lines that go on in one.
+/// Calls `take` with every card of the bulk data, with its continuation lines.
 fn each_card(text: &str, mut take: impl FnMut(Card) -> Result<(), MeshError>) -> Result<(), MeshError> {
     let mut last: Option<Card> = None;
     for (number, line) in (1..).zip(text.lines()) {
@@ -128,7 +128,7 @@ fn each_card(text: &str, mut take: impl FnMut(Card) -> Result<(), MeshError>) ->
         if name.is_empty() || name.starts_with(['+', '*']) {
             last.iter_mut().for_each(|card| card.fields.extend_from_slice(&fields));
         } else {
-            // `BEGIN BULK` and lines before it are cards of no meaning
+            // `BEGIN BULK` and lines before it are ignored as unknown cards
             let card = Card { name: name.trim_end_matches('*').trim().into(), fields, at: Place::Line(number) };
             last.replace(card).map_or(Ok(()), &mut take)?;
         }
@@ -175,7 +175,7 @@ fn cell(card: &Card, tables: &mut Tables, [first, second]: [CellKind; 2], is_she
     let fields = |range: std::ops::Range<usize>| range.filter(|&k| !card.field(2 + k).is_empty()).count();
     let kind = match fields(first.nodes()..second.nodes()) {
         0 => first,
-        // numbers behind the corners of shells may be angles and thicknesses
+        // numbers after the corners of shells may be angles and thicknesses
         _ if is_shell && matches!(card.name.as_str(), "CTRIA3" | "CQUAD4" | "CTRIAR" | "CQUADR") => first,
         all if all == second.nodes() - first.nodes() => second,
         _ => {
@@ -200,7 +200,7 @@ fn cell(card: &Card, tables: &mut Tables, [first, second]: [CellKind; 2], is_she
     Ok(())
 }
 
-/// Ranges of nodes of SPC (pairs of a node and its components, with a value) and SPC1 (components, then nodes, or a range with THRU).
+/// Reads ranges of nodes of SPC (pairs of a node and its components, with a value) and SPC1 (components, then nodes, or a range with THRU).
 fn constraint(card: &Card, held: &mut BTreeMap<u64, Held>) -> Result<(), MeshError> {
     const EXPECTED: &str = "a grid point of the constraint";
     let number = card.natural(0, "the number of a set of constraints")?;
@@ -222,7 +222,7 @@ fn constraint(card: &Card, held: &mut BTreeMap<u64, Held>) -> Result<(), MeshErr
     Ok(())
 }
 
-/// Boundaries of the nodes that are held; of a range those that exist.
+/// Boundaries of the constrained nodes; of a range those that exist.
 fn held_nodes(held: BTreeMap<u64, Held>, tables: &Tables) -> Vec<NodeSet> {
     let nodes = |(first, last): (u64, u64)| match first == last {
         true => vec![first],

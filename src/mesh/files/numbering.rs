@@ -1,4 +1,4 @@
-//! From the numbers of a file to indices of a table.
+//! Conversion of numbers of a file to indices of a table.
 
 use std::collections::HashMap;
 
@@ -7,9 +7,9 @@ use crate::mesh::MeshError;
 use crate::mesh::check::repeated;
 use crate::mesh::file_error::{FileError, FileProblem};
 
-/// From the numbers of nodes in the file to indices of the node table.
+/// Indices of the node table by the numbers of nodes in the file.
 pub(super) enum Numbering {
-    /// Index by number, `u32::MAX` for none: for numbers without great gaps.
+    /// Index by number, `u32::MAX` for none; for numbers without large gaps.
     Dense(Vec<u32>),
     /// Any numbers.
     Sparse(HashMap<u64, u32>),
@@ -19,7 +19,7 @@ impl Numbering {
     pub fn new(tables: &Tables) -> Result<Numbering, MeshError> {
         let numbers = &tables.node_numbers;
         let greatest = numbers.iter().max().copied().unwrap_or(0);
-        // the table is bounded by what the file really holds, not by the numbers in it
+        // the size of the table is limited by the number of nodes, not by their numbers
         let mut numbering = match usize::try_from(greatest) {
             Ok(greatest) if greatest / 4 <= numbers.len() => Numbering::Dense(vec![u32::MAX; greatest + 1]),
             _ => Numbering::Sparse(HashMap::new()),
@@ -47,7 +47,7 @@ impl Numbering {
         }
     }
 
-    /// All nodes of elements must be there, and differ.
+    /// Checks that the nodes of all elements exist and differ.
     pub fn check(&self, tables: &Tables) -> Result<(), MeshError> {
         for (shape, elements) in &tables.elements {
             let mut indices = vec![0; shape.nodes()];
@@ -56,7 +56,7 @@ impl Numbering {
         Ok(())
     }
 
-    /// Indices of the nodes of an element, which must be there and differ.
+    /// Writes the indices of the nodes of an element to `indices`; the nodes must exist and differ.
     pub fn indices_into(&self, tables: &Tables, elements: &Elements, element: usize, indices: &mut [u32]) -> Result<(), MeshError> {
         let nodes = &elements.nodes[element * indices.len()..(element + 1) * indices.len()];
         let (at, number) = (tables.element_place(elements, element), tables.written_element(elements.numbers[element]));

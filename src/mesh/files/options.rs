@@ -31,7 +31,7 @@ pub struct ReadOptions {
     pub shells: Shells,
 }
 
-/// Path of an included file by its name, or why the file may not be read; `None` refuses all included files.
+/// Path of an included file by its name, or the reason why it may not be read; `None` refuses all included files.
 pub type Includes<'a> = Option<&'a dyn Fn(&str) -> Result<PathBuf, String>>;
 
 /// A change made by a reader to the content of a file.
@@ -46,14 +46,14 @@ pub enum FileNote {
         /// Number of the first of them in the file.
         first: u64,
     },
-    /// Lines of elements hold more numbers than the elements have nodes; the numbers behind the nodes were left out.
+    /// Lines of elements have more numbers than the elements have nodes; surplus numbers were left out.
     LongLines {
         /// Number of these elements.
         count: usize,
         /// Number of the first of them in the file.
         first: u64,
     },
-    /// Sets of nodes of second-order faces hold their corners alone; the whole faces were taken.
+    /// Node sets of second-order faces contain corners only; the whole faces were used.
     CornerSets(Vec<String>),
     /// An instance without cells was left out.
     WithoutCells(String),

@@ -1,4 +1,4 @@
-//! A mesh from a file of any format that is read.
+//! Reading a mesh file of any supported format.
 
 use std::path::Path;
 
@@ -11,7 +11,7 @@ use crate::machine::files;
 use crate::mesh::file_error::{FileError, FileProblem, Place};
 use crate::mesh::{Mesh, MeshError};
 
-/// Usual endings of the names of mesh files that are read.
+/// Extensions of supported mesh files.
 pub const MESH_ENDINGS: [&str; 9] = ["msh", "inp", "vtu", "vtk", "mesh", "unv", "bdf", "nas", "su2"];
 
 /// Reads a mesh file; see [`read_mesh_bytes`]. Files below its folder may be included.
@@ -39,7 +39,7 @@ pub fn read_deck(path: impl AsRef<Path>, options: ReadOptions, includes: Include
     deck(&content_of(path.as_ref())?, options, includes)
 }
 
-/// The deck that the content of an input file describes; see [`read_deck`]. It includes no other files.
+/// Reads the content of an input file as a deck; see [`read_deck`]. Included files are refused.
 ///
 /// # Errors
 /// Errors of [`read_deck`].
@@ -67,12 +67,12 @@ fn content_of(path: &Path) -> Result<Vec<u8>, MeshError> {
     })
 }
 
-/// The mesh that the content of a file describes, whose format shows in how it begins: Gmsh, Abaqus or CalculiX, VTK (XML or legacy),
-/// Medit, universal file, bulk data of Nastran, SU2. It includes no other files.
+/// Reads the content of a mesh file, whose format is recognized from its beginning: Gmsh, Abaqus or CalculiX, VTK (XML or legacy), Medit,
+/// universal file, bulk data of Nastran, SU2. Included files are refused.
 ///
 /// # Errors
-/// Another format or version, incomplete or contradictory content, cells of kinds that are not read or of several kinds, cells that are
-/// inside out, nodes off the plane, elements of boundaries that belong to no cell.
+/// Another format or version, incomplete or contradictory content, unsupported kinds of cells or cells of different order, inverted cells,
+/// nodes off the plane, boundary elements without a cell.
 pub fn read_mesh_bytes(content: &[u8]) -> Result<Mesh, MeshError> {
     read(content, ReadOptions::default(), None).map(|(mesh, _)| mesh)
 }
@@ -93,7 +93,7 @@ fn read(content: &[u8], options: ReadOptions, includes: Includes) -> Result<(Mes
     }
 }
 
-/// The mesh of a grid, with a note of the arrays that are no groups of cells.
+/// Mesh of a grid, with a note of the arrays that are no groups of cells.
 fn assemble_grid(mut grid: vtk::Content, options: ReadOptions) -> Result<(Mesh, Vec<FileNote>), MeshError> {
     grid.tables.turn_wedges();
     let (mesh, mut notes) = assemble(grid.tables, options)?;
@@ -103,7 +103,7 @@ fn assemble_grid(mut grid: vtk::Content, options: ReadOptions) -> Result<(Mesh, 
     Ok((mesh, notes))
 }
 
-/// The first byte behind spaces, by which formats are told apart.
+/// First byte after white space, by which formats are distinguished.
 fn first_byte(content: &[u8]) -> Option<u8> {
     content.strip_prefix("\u{feff}".as_bytes()).unwrap_or(content).trim_ascii_start().first().copied()
 }

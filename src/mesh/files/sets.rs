@@ -27,7 +27,7 @@ fn facet_of_side(kind: CellKind, side: u8) -> Option<u8> {
     facets.iter().position(|facet| corners.iter().all(|corner| facet.contains(corner))).map(|local| local as u8)
 }
 
-/// Boundaries of the surfaces, given the cells by their numbers in the tables, and which cells were reversed.
+/// Adds the boundaries of the surfaces, given the cells by their numbers in the tables, and the reversed cells.
 pub(super) fn attach_surfaces(
     mesh: &mut Mesh,
     tables: &Tables,
@@ -51,7 +51,7 @@ pub(super) fn attach_surfaces(
             let Some(local) = facet_of_side(kind, side) else {
                 return fail(FileProblem::UnknownSide { name: surface.name.clone(), side: format!("S{side}"), kind: kind.name() });
             };
-            // the sides of a plane cell that was reversed are met in the opposite order
+            // the sides of a reversed plane cell are numbered in the opposite order
             let last = kind.facets().len() as u8 - 1;
             facets.push(Facet { cell, local: if reversed.contains(&cell) { last - local } else { local } });
         }
@@ -63,9 +63,9 @@ pub(super) fn attach_surfaces(
     Ok(())
 }
 
-/// Boundaries of the sets of nodes: the facets of the hull all of whose nodes are in the set, and the nodes that are on none of them.
-/// `node` gives the node of a number, or that no cell uses it; nothing when the file has none. Of a set without middle nodes of cells of
-/// second order, facets need their corners alone; the names of these sets are returned.
+/// Adds the boundaries of the node sets: facets of the hull with all nodes in the set, and the remaining nodes. `node` returns the index of
+/// a node, `Some(None)` for a node without cells, `None` for a missing one. If a set has no mid-side nodes, the corners of second-order
+/// facets suffice; the names of such sets are returned.
 pub(super) fn attach_node_sets(
     mesh: &mut Mesh,
     tables: &Tables,
@@ -96,11 +96,11 @@ pub(super) fn attach_node_sets(
         let facets: Vec<Facet> = hull.iter().filter(|&&facet| mesh.facet_nodes(facet).all(|node| is_inside(&node))).copied().collect();
         let covered: HashSet<u32> = facets.iter().flat_map(|&facet| mesh.facet_nodes(facet)).collect();
         let nodes: Vec<u32> = members.into_iter().filter(|node| !covered.contains(node)).collect();
-        // nodes that no cell uses, such as reference points, are left out
+        // nodes without cells, such as reference points, are left out
         if facets.is_empty() && nodes.is_empty() {
             continue;
         }
-        // programs that write a group of elements may write its nodes under the same name once more
+        // programs that write an element group may repeat its nodes under the same name
         let own = Boundary { name: set.name.clone(), facets, nodes };
         if mesh.boundary(&set.name).is_some_and(|known| mesh.boundary_nodes(known) == mesh.boundary_nodes(&own)) {
             continue;
@@ -115,7 +115,7 @@ pub(super) fn attach_node_sets(
     Ok(completed)
 }
 
-/// A name that no boundary has yet: the one given, or with a word behind it.
+/// Name that no boundary has: the given one, or with a word appended.
 pub(super) fn free_name(mesh: &Mesh, name: &str, word: &str) -> String {
     let mut free = name.to_string();
     while mesh.boundary(&free).is_some() {

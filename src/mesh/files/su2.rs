@@ -1,6 +1,6 @@
 //! Files of SU2 (`.su2`): cells by VTK's numbers of their types, points, and markers, which are boundaries.
 //!
-//! Nodes and cells are counted from 0; numbers behind the coordinates and nodes of a line are not read (SU2 documentation, "Mesh file").
+//! Nodes and cells are counted from 0; surplus numbers at the ends of lines are ignored (SU2 documentation, "Mesh file").
 
 use super::tables::{Shape, Tables};
 use super::text::utf8;
@@ -31,7 +31,7 @@ impl<'a> Lines<'a> {
     }
 }
 
-/// True if a file begins like one of SU2's.
+/// True if a file begins like an SU2 file.
 pub(super) fn begins(content: &[u8]) -> bool {
     let mut lines = content.split(|&byte| byte == b'\n').map(<[u8]>::trim_ascii).filter(|line| !line.is_empty());
     lines.find(|line| !line.starts_with(b"%")).is_some_and(|line| [&b"NDIME"[..], b"NZONE"].iter().any(|word| line.starts_with(word)))

@@ -1,7 +1,7 @@
 //! Surfaces of triangles from files: STL, as text or binary, and Wavefront OBJ.
 //!
-//! STL: each triangle has its three points, and a normal that is not read: the order of the points says where it looks. OBJ: lines
-//! `v x y z` and `f a b c …`, whose polygons are cut into fans; textures, normals, groups and all else are left out.
+//! STL: each triangle has three points, whose order determines its orientation, and a normal that is ignored. OBJ: lines `v x y z` and
+//! `f a b c …`, whose polygons are divided into fans; textures, normals, groups and other data are left out.
 
 use std::path::Path;
 
@@ -10,7 +10,7 @@ use crate::machine::files;
 use crate::mesh::MeshError;
 use crate::mesh::file_error::{FileError, FileProblem, Place};
 
-/// Bytes of the head of a binary STL file with the number of triangles, and of each triangle.
+/// Size of the header of a binary STL file with the number of triangles, and of each triangle `[bytes]`.
 const STL_HEAD: usize = 84;
 const STL_TRIANGLE: usize = 50;
 
@@ -29,12 +29,12 @@ pub fn read_surface(path: impl AsRef<Path>) -> Result<Triangles, MeshError> {
     }
 }
 
-/// The triangles of the content of a file, whose format shows in it.
+/// Triangles of the content of a file, whose format is recognized from the content.
 ///
 /// # Errors
-/// Another format, places that do not hold what belongs there, a file that ends early, points that are not there.
+/// Another format, malformed content, a file that ends early, references to missing points.
 pub fn read_surface_bytes(content: &[u8]) -> Result<Triangles, MeshError> {
-    // A binary file may begin like a text, too: its length is told in it.
+    // A binary file may begin like a text file: its length follows from the number of triangles.
     if let Some(count) = binary_count(content) {
         return Ok(binary_stl(content, count));
     }
@@ -53,7 +53,7 @@ fn fail<T>(at: Place, problem: FileProblem) -> Result<T, MeshError> {
     Err(FileError { at, problem }.into())
 }
 
-/// The number of triangles of a binary STL file, if it has the length that follows from it.
+/// Number of triangles of a binary STL file, if the length of the file agrees with it.
 fn binary_count(content: &[u8]) -> Option<usize> {
     let count = u32::from_le_bytes(content.get(STL_HEAD - 4..STL_HEAD)?.try_into().ok()?) as usize;
     (content.len() == STL_HEAD + STL_TRIANGLE * count).then_some(count)
@@ -68,7 +68,7 @@ fn binary_stl(content: &[u8], count: usize) -> Triangles {
     (points, (0..count as u32).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect())
 }
 
-/// Three numbers at the beginning of some words.
+/// Three numbers at the beginning of the words.
 fn point<'a>(words: impl Iterator<Item = &'a str>, line: usize) -> Result<[f64; 3], MeshError> {
     let (mut point, mut count) = ([0.0; 3], 0);
     for (x, word) in point.iter_mut().zip(words) {

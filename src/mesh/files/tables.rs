@@ -51,7 +51,7 @@ pub(super) struct Elements {
     places: Vec<u64>,
     /// Indices into [`Tables::groups`].
     pub groups: Vec<u32>,
-    /// Numbers of the nodes in the file, those of one element after those of the one before.
+    /// Numbers of the nodes in the file, element by element.
     pub nodes: Vec<u64>,
 }
 
@@ -95,27 +95,28 @@ pub(super) struct Tables {
     pub elements_begin: Option<Place>,
     /// Elements with a shape that are no cells, such as shells, by their numbers.
     pub structural: HashSet<u64>,
-    /// Name of the type of these elements by shape, and where it stands.
+    /// Name of the type of these elements by shape, and its place.
     pub structural_types: BTreeMap<Shape, (String, Place)>,
     /// True if lines among these elements are beams.
     pub has_beams: bool,
-    /// Elements without a shape that are left out: how many of a type, and where the first stands.
+    /// Elements without a shape that are left out: their number by type, and the place of the first.
     pub left_out: BTreeMap<String, (usize, Place)>,
-    /// Cells that lost the nodes in their faces: their count, and the number of the first.
+    /// Cells whose nodes in faces were left out: their number, and the number of the first.
     pub without_face_nodes: Option<(usize, u64)>,
-    /// Numbers in the file of nodes and elements that were numbered anew from 1; empty where numbers are those of the file.
+    /// Original numbers of nodes and elements that were renumbered from 1; empty if the numbers are those of the file.
     written_nodes: Vec<u64>,
     written_elements: Vec<u64>,
 }
 
-/// New numbers of the nodes and elements of tables that were appended, each behind the old one.
+/// New numbers of the nodes and elements of appended tables, each after the old one.
 pub(super) struct Appended {
     pub nodes: Vec<(u64, u64)>,
     pub elements: Vec<(u64, u64)>,
 }
 
 impl Elements {
-    /// Takes out the elements whose numbers fulfil a condition, of as many nodes each; their count and the place of the first.
+    /// Removes the elements whose numbers satisfy a condition, with `nodes_each` nodes each; returns their number and the place of the
+    /// first.
     fn take_out(&mut self, nodes_each: usize, condition: impl Fn(u64) -> bool) -> Option<(usize, u64)> {
         let kept: Vec<usize> = (0..self.numbers.len()).filter(|&k| !condition(self.numbers[k])).collect();
         let first = (0..self.numbers.len()).find(|&k| condition(self.numbers[k]))?;
@@ -154,7 +155,7 @@ impl Tables {
         index
     }
 
-    /// Keeps a node; its coordinates must be finite.
+    /// Adds a node; its coordinates must be finite.
     pub fn add_node(&mut self, node: u64, point: [f64; 3], at: Place) -> Result<(), MeshError> {
         if let Some(&value) = point.iter().find(|x| !x.is_finite()) {
             return Err(FileError { at, problem: FileProblem::Coordinate { node, value } }.into());
@@ -178,13 +179,13 @@ impl Tables {
         }
     }
 
-    /// Shape of a cell that is read without the nodes in its faces and its middle, which stand last.
+    /// Shape of a cell that is read without the nodes in its faces and its center, which are the last ones.
     pub fn without_face_nodes(&mut self, kind: CellKind, number: u64) -> Option<(Shape, &'static [u8])> {
         self.without_face_nodes.get_or_insert((0, number)).0 += 1;
         Some((Shape::Cell(kind), &[]))
     }
 
-    /// Takes the nodes in faces and middles from all cells if some are read without them, so that neighbors match.
+    /// Removes the nodes in faces and centers from all cells if some are read without them, so that neighbors match.
     pub fn match_face_nodes(&mut self) {
         let Some((count, _)) = &mut self.without_face_nodes else { return };
         for (kind, reduced) in [(CellKind::Hex27, CellKind::Hex20), (CellKind::Quad9, CellKind::Quad8)] {
@@ -198,8 +199,8 @@ impl Tables {
         }
     }
 
-    /// Turns wedges whose first triangle looks away from the second, as VTK had them before version 9.6 and SU2 has them. Nodes must be
-    /// numbered from 0 in their order.
+    /// Reverses wedges whose first triangle faces away from the second, as in VTK before version 9.6 and in SU2. Nodes must be numbered
+    /// from 0 in their order.
     pub fn turn_wedges(&mut self) {
         for kind in [CellKind::Wedge6, CellKind::Wedge15] {
             let Some(elements) = self.elements.get_mut(&Shape::Cell(kind)) else { continue };
@@ -226,7 +227,7 @@ impl Tables {
         self.left_out.entry(name).or_insert((0, at)).0 += count;
     }
 
-    /// Adds nodes and elements of other tables, which get numbers behind those that are there.
+    /// Appends nodes and elements of other tables, which get new numbers after the existing ones.
     pub fn append(&mut self, other: &Tables) -> Appended {
         let mut appended = Appended { nodes: Vec::new(), elements: Vec::new() };
         for ((&number, &place), &point) in other.node_numbers.iter().zip(&other.node_places).zip(&other.points) {
@@ -251,7 +252,7 @@ impl Tables {
             }
             own.places.extend(&elements.places);
             own.groups.extend(&elements.groups);
-            // a node that is not there has no number
+            // a missing node has no number
             own.nodes.extend(elements.nodes.iter().map(|node| new_nodes.get(node).copied().unwrap_or(u64::MAX)));
         }
         self.structural_types.extend(other.structural_types.iter().map(|(&shape, known)| (shape, known.clone())));
@@ -279,10 +280,10 @@ impl Tables {
     }
 }
 
-/// Places of the nodes of a wedge of either order whose triangles are met in the opposite sense.
+/// Node permutation of a wedge of either order that reverses its triangles.
 const TURNED_WEDGE: [usize; 15] = [0, 2, 1, 3, 5, 4, 8, 7, 6, 11, 10, 9, 12, 14, 13];
 
-/// True if the first triangle of a wedge looks away from the second.
+/// True if the first triangle of a wedge faces away from the second.
 fn is_inside_out(nodes: &[u64], points: &[[f64; 3]]) -> bool {
     let point = |k: usize| usize::try_from(nodes[k]).ok().and_then(|node| points.get(node));
     let (Some(a), Some(b), Some(c), Some(d)) = (point(0), point(1), point(2), point(3)) else { return false };

@@ -13,7 +13,7 @@ pub(super) fn shortened(text: &str) -> String {
     }
 }
 
-/// The text of a file, without a mark of the order of bytes.
+/// Text of a file, without a byte order mark.
 pub(super) fn utf8(content: &[u8]) -> Result<&str, MeshError> {
     match std::str::from_utf8(content) {
         Ok(text) => Ok(text.trim_start_matches('\u{feff}')),

@@ -1,7 +1,7 @@
 //! Universal files of I-deas, NX, Salome and Gmsh (`.unv`): nodes (datasets 2411, 781), elements (2412), groups (2435, 2452, 2467, 2477).
 //!
-//! Groups of elements become parts and boundaries, groups of nodes boundaries. Cells of second order list their nodes around each face,
-//! corners and middles in turn. All other datasets are left out, units among them (I-deas, Universal Dataset Number 2411, 2412, 2467).
+//! Element groups become parts and boundaries, node groups boundaries. Second-order cells list their nodes around each face, corners and
+//! mid-side nodes alternately. All other datasets, including units, are left out (I-deas, Universal Dataset Number 2411, 2412, 2467).
 
 use std::collections::HashMap;
 
@@ -42,7 +42,7 @@ fn shape_of(descriptor: u64) -> Option<(Shape, Family, &'static [u8])> {
         116 => cell(CellKind::Hex20, &[0, 2, 4, 6, 12, 14, 16, 18, 1, 3, 5, 7, 13, 15, 17, 19, 8, 9, 10, 11]),
         118 => cell(CellKind::Tet10, &[0, 2, 4, 9, 1, 3, 5, 6, 7, 8]),
         41..=99 => {
-            // plane stress, plane strain and cells around an axis; plates, membranes and thin shells
+            // plane stress, plane strain and axisymmetric cells; plates, membranes and thin shells
             let family = if matches!(descriptor / 10, 4 | 5 | 8) { Family::Cell } else { Family::Shell };
             let (kind, order): (_, &[u8]) = match descriptor % 10 {
                 1 => (CellKind::Tri3, &[]),
@@ -105,7 +105,7 @@ impl<'a> File<'a> {
         Place::Line(self.at.max(1))
     }
 
-    /// Goes on behind the next mark and the number of the dataset; false at the end of the file.
+    /// Continues after the next mark and the number of the dataset; false at the end of the file.
     fn begin_dataset(&mut self) -> Result<bool, MeshError> {
         loop {
             let Some(line) = self.lines.get(self.at) else { return Ok(false) };
@@ -131,7 +131,7 @@ impl<'a> File<'a> {
         Ok((line.trim() != MARK).then_some(line))
     }
 
-    /// The next line of the dataset with whole numbers, as many at least.
+    /// Next line of the dataset with at least `least` whole numbers.
     fn numbers(&mut self, least: usize, expected: &'static str) -> Result<Option<Vec<u64>>, MeshError> {
         let Some(line) = self.record()? else { return Ok(None) };
         let numbers: Option<Vec<u64>> = line.split_ascii_whitespace().map(|word| word.parse().ok()).collect();
@@ -156,7 +156,7 @@ fn nodes(file: &mut File, tables: &mut Tables) -> Result<(), MeshError> {
     Ok(())
 }
 
-/// An element, which gets its groups when all are read.
+/// Element whose groups are added after all of them were read.
 struct Element {
     number: u64,
     shape: Shape,
@@ -170,7 +170,7 @@ fn read_elements(file: &mut File, tables: &mut Tables, elements: &mut Vec<Elemen
     while let Some(head) = file.numbers(6, "number, type, properties, color and number of nodes of an element")? {
         let (number, descriptor, count, at) = (head[0], head[1], head[5] as usize, file.place());
         let known = shape_of(descriptor);
-        // beams and rods have a line of their orientation, known or not
+        // beams and rods have a line with their orientation, also those of unknown types
         if matches!(descriptor, 11 | 21..=24) {
             file.record()?;
         }

@@ -1,4 +1,4 @@
-//! Words of a text with their lines: what files are made of whose numbers are separated by space alone.
+//! Words of a text with their lines, for files whose numbers are separated by white space.
 
 use std::str::FromStr;
 
@@ -37,7 +37,7 @@ impl<'a> Words<'a> {
         }
     }
 
-    /// Next word, which is not taken.
+    /// Next word, without consuming it.
     pub fn peek(&mut self) -> Option<&'a str> {
         self.skip();
         let end = self.rest.find(char::is_whitespace).unwrap_or(self.rest.len());

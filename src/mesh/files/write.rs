@@ -1,8 +1,8 @@
 //! A mesh as a Gmsh file, MSH 4.1 ASCII.
 //!
-//! What is written is read back with the same nodes, cells, boundaries and parts, numbers to the last bit. Every boundary is an entity of
-//! its own with one physical group of its name, so a facet of two boundaries is written twice; cells of several parts belong to an entity
-//! for just these parts. Blocks of cells follow their order.
+//! A written file is read back with the same nodes, cells, boundaries and parts, and numbers agree to the last bit. Every boundary is an
+//! entity of its own with one physical group of its name, so a facet of two boundaries is written twice; cells of several parts belong to
+//! an entity for this combination. Blocks of cells keep their order.
 
 use std::collections::{BTreeMap, HashSet};
 use std::fmt::Write;
@@ -24,10 +24,10 @@ struct Block {
 impl Mesh {
     /// The mesh as the text of a Gmsh file (MSH 4.1 ASCII); boundaries and parts are physical groups of their names.
     ///
-    /// Boundaries of nodes alone come back behind those with facets. Characters of names that do not belong in a line become spaces.
+    /// When the file is read, boundaries of nodes follow those with facets. Characters that are invalid in a line become spaces in names.
     pub fn to_gmsh(&self) -> String {
         let dimension = self.dimension();
-        // groups of cells: which parts each one is in
+        // groups of cells: combination of parts of each cell
         let mut parts_of: Vec<Vec<usize>> = vec![Vec::new(); self.cell_count()];
         for (part, (_, cells)) in self.parts.iter().enumerate() {
             cells.iter().for_each(|&cell| parts_of[cell as usize].push(part + 1));
@@ -54,7 +54,7 @@ impl Mesh {
         text
     }
 
-    /// Nodes and facets of the boundaries, each of the same number as an entity of points or facets.
+    /// Nodes and facets of the boundaries as blocks; the number of a boundary is that of its entity of points or facets.
     fn boundary_blocks(&self) -> Vec<Block> {
         let mut blocks = Vec::new();
         for (boundary, entity) in self.boundaries.iter().zip(1..) {
@@ -64,7 +64,7 @@ impl Mesh {
             }
         }
         for (boundary, entity) in self.boundaries.iter().zip(1..).filter(|(boundary, _)| !boundary.facets.is_empty()) {
-            // an element stands for both sides of a facet inside
+            // an element represents both sides of an interior facet
             let mut seen = HashSet::new();
             let facets = boundary.facets.iter().filter(|&&facet| seen.insert(facet_key(self.facet_nodes(facet))));
             let elements: Vec<Vec<u32>> = facets.map(|&facet| self.facet_nodes(facet).collect()).collect();
@@ -117,7 +117,7 @@ impl Mesh {
         let [a, b, c, d] = counts;
         line(text, format_args!("$Entities\n{a} {b} {c} {d}"));
         for number in points {
-            // the place of its first node stands for it
+            // the entity has the position of its first node
             let [x, y, z] = self.points[self.boundaries[number - 1].nodes[0] as usize];
             line(text, format_args!("{number} {x:?} {y:?} {z:?} 1 {number}"));
         }

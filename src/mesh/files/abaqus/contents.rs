@@ -63,13 +63,13 @@ impl Contents {
         own(scope, name).or_else(|| self.of_instance(name).and_then(|(scope, rest)| own(scope, rest)))
     }
 
-    /// A name of the assembly without the name of an instance, and that instance.
+    /// Splits a name of the assembly into an instance, if any, and the name in the instance.
     pub fn in_scope<'n>(&self, name: &'n str) -> (Option<usize>, &'n str) {
         let name = name.trim_matches('"');
         self.of_instance(name).map_or((None, name), |(scope, rest)| (Some(scope), rest))
     }
 
-    /// Numbers of a set in ascending order; of a range those that there are.
+    /// Numbers of a set in ascending order; of a range those that exist.
     fn numbers(&self, kind: Kind, scope: usize, set: usize) -> Result<BTreeSet<Owned>, MeshError> {
         let (mut numbers, mut seen, mut waiting) = (BTreeSet::new(), BTreeSet::from([(scope, set)]), vec![(scope, set)]);
         while let Some((scope, set)) = waiting.pop() {
@@ -85,7 +85,7 @@ impl Contents {
                         numbers.extend(within.filter(|number| (*number - first).is_multiple_of(*step)).map(|&number| (owner, number)));
                     }
                     Member::Name(name) => match (self.find(kind, owner, name), self.of_instance(name)) {
-                        // a set that names itself has no more for it
+                        // a set that contains itself adds nothing
                         (Some(other), _) if seen.insert(other) => waiting.push(other),
                         (Some(_), _) => {}
                         (None, Some((owner, number))) if number.parse::<u64>().is_ok() => {
@@ -102,7 +102,7 @@ impl Contents {
         Ok(numbers)
     }
 
-    /// Tables of the nodes and elements of some scopes, with what sets and surfaces name of them.
+    /// Tables of the nodes and elements of some scopes, with their sets and surfaces.
     pub fn tables(&self, used: &[usize]) -> Result<Tables, MeshError> {
         let mut merged = Merged::new(&self.scopes, used)?;
         self.groups(used, &mut merged)?;
@@ -113,19 +113,19 @@ impl Contents {
         Ok(merged.tables)
     }
 
-    /// Scopes in the order of the file: instances before what the assembly says of them.
+    /// Scopes in the order of the file: instances before the statements of the assembly about them.
     fn in_order(&self) -> impl Iterator<Item = usize> {
         (1..self.scopes.len()).chain([0])
     }
 
-    /// Name of a set of a scope: its own name, with that of its instance where others of the mesh may have it, too.
+    /// Name of a set of a scope: its own name, with that of its instance if other instances of the mesh may have a set of this name.
     fn label(&self, scope: usize, name: &str, used: &[usize], is_taken: impl Fn(&str) -> bool) -> String {
         let name = name.trim_matches('"');
         let is_alone = used.iter().filter(|&&other| other > 0).count() <= 1;
         if scope == 0 || is_alone && !is_taken(&key_of(name)) { name.into() } else { format!("{}.{name}", self.scopes[scope].name) }
     }
 
-    /// Lists of sets to which elements belong; several instances are groups, too.
+    /// Lists of the sets of each element; several instances are groups, too.
     fn groups(&self, used: &[usize], merged: &mut Merged) -> Result<(), MeshError> {
         let mut groups: HashMap<u64, Vec<u64>> = HashMap::new();
         let mut group = 0;
@@ -157,7 +157,7 @@ impl Contents {
             }
         }
         let tables = &mut merged.tables;
-        // the list that belongs to no group, for all others
+        // list without a group, for all other elements
         tables.groups_index(Vec::new());
         let mut list_of: HashMap<u64, u32> = HashMap::new();
         let mut lists: Vec<(u64, Vec<u64>)> = groups.into_iter().collect();

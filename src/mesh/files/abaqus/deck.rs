@@ -1,4 +1,4 @@
-//! An input file as one mesh, and as a deck: a mesh for each body with what else is said of it.
+//! An input file as one mesh, and as a deck: a mesh for each body with materials, contact pairs and supports.
 
 use super::super::assembly::assemble;
 use super::super::options::{FileNote, Includes, ReadOptions, Shells};
@@ -35,7 +35,7 @@ pub struct DeckPair {
     pub secondary: DeckBoundary,
     /// Primary (master) boundary.
     pub primary: DeckBoundary,
-    /// True if both surfaces are tied.
+    /// True if the surfaces are tied.
     pub is_tied: bool,
 }
 
@@ -48,7 +48,7 @@ pub struct Deck {
     pub materials: Vec<DeckMaterial>,
     /// Contact pairs and ties between boundaries of parts.
     pub pairs: Vec<DeckPair>,
-    /// Boundaries that are held in all directions.
+    /// Boundaries that are fixed in all directions.
     pub held: Vec<DeckBoundary>,
     /// Changes made to the content of the file.
     pub notes: Vec<FileNote>,
@@ -89,7 +89,7 @@ fn parts_of(contents: &Contents, options: ReadOptions, notes: &mut Vec<FileNote>
     let mut parts = Vec::new();
     for &scope in &used {
         let own = &contents.scopes[scope];
-        // a rigid body of an analysis has no cells
+        // an analytical rigid body has no cells
         let has_cells = own.elements.keys().any(|number| options.shells == Shells::Plane || !own.tables.structural.contains(number));
         if !has_cells && used.len() > 1 {
             notes.extend((scope > 0).then(|| FileNote::WithoutCells(own.name.clone())));
@@ -105,7 +105,7 @@ fn parts_of(contents: &Contents, options: ReadOptions, notes: &mut Vec<FileNote>
     Ok(parts)
 }
 
-/// The connected pieces of a mesh without instances. A piece has the name of the set of its cells where there is one.
+/// Connected components of a mesh without instances. A component has the name of the set of its cells, if there is one.
 fn pieces_of(contents: &Contents, mesh: &Mesh) -> Vec<DeckPart> {
     let pieces = mesh.connected_cells();
     let of_piece = |(index, cells): (usize, &Vec<u32>)| {
@@ -122,7 +122,7 @@ fn pieces_of(contents: &Contents, mesh: &Mesh) -> Vec<DeckPart> {
 }
 
 fn deck_of(contents: Contents, mut parts: Vec<(usize, DeckPart)>, notes: Vec<FileNote>) -> Deck {
-    // sections may write a material in other letters than its definition
+    // sections may write the name of a material in another case than its definition
     for name in parts.iter_mut().flat_map(|(_, part)| &mut part.materials) {
         if let Some(material) = contents.definitions.materials.iter().find(|material| key_of(&material.name) == key_of(name)) {
             name.clone_from(&material.name);

@@ -2,7 +2,7 @@
 
 use super::lines::{Data, Keyword};
 
-/// A property of a material: the keyword with the names of its parameters, and the numbers behind it.
+/// Property of a material: the keyword with its parameters, and the numbers of its data lines.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DeckProperty {
     /// Keyword in capitals, such as `HYPERELASTIC`.
@@ -35,7 +35,7 @@ pub(super) struct Definitions {
     /// Materials in the order of the file.
     pub materials: Vec<DeckMaterial>,
     pub pairs: Vec<Pair>,
-    /// Sets of nodes that are held in directions from the first on, by their names as written, with the last direction.
+    /// Node sets with fixed directions, by their names as written, with the last fixed direction (the first one is 1).
     pub held: Vec<(String, usize)>,
 }
 
@@ -69,7 +69,7 @@ impl Definitions {
         }
     }
 
-    /// A line behind a keyword.
+    /// Reads a data line of a keyword.
     pub fn data(&mut self, statement: Statement, data: &Data) {
         let mut fields = data.fields();
         match statement {

@@ -9,11 +9,11 @@ use crate::machine::files;
 use crate::mesh::MeshError;
 use crate::mesh::file_error::{FileError, FileProblem, Place};
 
-/// Most files that include each other in a chain, and most files that are included in all.
+/// Largest depth of files that include each other, and largest number of included files.
 const DEEPEST: usize = 16;
 const MOST: usize = 1000;
 
-/// Lines in a row that come from one file.
+/// Consecutive lines from one file.
 struct Stretch {
     /// First line in the text, counted from 1.
     from: usize,
@@ -37,7 +37,7 @@ pub(super) struct Text<'a> {
 }
 
 impl<'a> Text<'a> {
-    /// The content of a file with what it includes.
+    /// Content of a file with all included files.
     pub fn new(content: &'a [u8], includes: Includes) -> Result<Text<'a>, MeshError> {
         if !content.windows(5).any(|word| word.eq_ignore_ascii_case(b"input")) {
             return Ok(Text { content: Cow::Borrowed(content), origins: Origins::default() });
@@ -53,7 +53,7 @@ impl<'a> Text<'a> {
 }
 
 impl Origins {
-    /// An error with its place in the file that it comes from.
+    /// Error with its place in the original file.
     pub fn located(&self, mut error: MeshError) -> MeshError {
         let Some(Place::Line(line)) = error.place() else { return error };
         let Some((line, file)) = self.line_of_file(line) else { return error };
@@ -72,7 +72,7 @@ impl Origins {
         }
     }
 
-    /// The line of a file from which a line of the text comes.
+    /// Line and file of a line of the text.
     fn line_of_file(&self, line: usize) -> Option<(usize, Option<usize>)> {
         let next = self.stretches.partition_point(|stretch| stretch.from <= line);
         let stretch = self.stretches.get(next.checked_sub(1)?)?;
@@ -80,7 +80,7 @@ impl Origins {
     }
 }
 
-/// A text that is being put together.
+/// Text under construction.
 struct Expansion<'a> {
     origins: Origins,
     /// Lines of the text so far.

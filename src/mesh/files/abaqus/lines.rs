@@ -6,7 +6,7 @@ use crate::mesh::file_error::{FileError, FileProblem, Place};
 
 /// A keyword line, with the lines that continue it.
 pub(super) struct Keyword {
-    /// In capitals, without the star, words separated by one space.
+    /// Name in capitals, without the star, words separated by one space.
     pub name: String,
     parameters: Vec<(String, String)>,
     /// Line of the keyword.
@@ -24,7 +24,7 @@ impl Keyword {
         self.parameters.iter().map(|(name, value)| (name.as_str(), value.as_str()))
     }
 
-    /// The value of a parameter that must be there.
+    /// Value of a required parameter.
     pub fn required(&self, parameter: &'static str) -> Result<&str, MeshError> {
         match self.value(parameter) {
             Some(value) if !value.is_empty() => Ok(value),
@@ -83,7 +83,7 @@ impl<'a> Data<'a> {
         }
     }
 
-    /// A field as a number with a fraction, which may have the exponents of Fortran; 0 when it is not there.
+    /// Field as a real number, with exponents of Fortran, too; 0 for a missing field.
     pub fn real(&self, field: Option<&str>, expected: &'static str) -> Result<f64, MeshError> {
         match field {
             None | Some("") => Ok(0.0),
@@ -106,7 +106,7 @@ impl<'a> Lines<'a> {
         Lines { rest: content.strip_prefix("\u{feff}".as_bytes()).unwrap_or(content), line: 0 }
     }
 
-    /// The line that was given last.
+    /// Place of the line that was returned last.
     pub fn place(&self) -> Place {
         Place::Line(self.line)
     }

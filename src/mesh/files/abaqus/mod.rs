@@ -1,9 +1,9 @@
-//! Input files of Abaqus and CalculiX (`.inp`): keywords with a star, lines of data (Abaqus Keywords Reference Guide).
+//! Input files of Abaqus and CalculiX (`.inp`): keywords with a star, data lines (Abaqus Keywords Reference Guide).
 //!
-//! Nodes, elements, sets, surfaces, parts and their instances are read, with the files that are included; materials, pairs of surfaces and
-//! supports are kept for decks; all other keywords are passed over. Sets of elements become parts or, where their elements are facets of
-//! the cells, boundaries; surfaces and sets of nodes become boundaries. What stands before a dot in a name is an instance only where the
-//! file has an instance of that name. The order of nodes is that of the cells here for every kind that is read.
+//! Nodes, elements, sets, surfaces, parts and their instances are read, including included files; materials, contact pairs and supports are
+//! kept for decks; all other keywords are ignored. Element sets become parts or, if their elements are facets of the cells, boundaries;
+//! surfaces and node sets become boundaries. Text before a dot in a name is an instance only if the file has an instance of this name. The
+//! node order of every supported kind equals that of the cells here.
 
 mod contents;
 mod deck;

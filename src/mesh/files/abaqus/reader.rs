@@ -1,4 +1,4 @@
-//! Keyword by keyword to the scopes of a file.
+//! Reading of keywords into the scopes of a file.
 
 use super::super::options::{FileNote, Includes};
 use super::super::tables::Shape;
@@ -13,7 +13,7 @@ use super::types::{ElementType, Family, type_of};
 use crate::mesh::MeshError;
 use crate::mesh::file_error::{FileError, FileProblem, Place};
 
-/// Keywords that would change the mesh in a way that is not followed here.
+/// Keywords that change the mesh in a way that is not supported.
 const REFUSED: &[(&str, &str)] = &[
     ("NGEN", "it makes nodes between others"),
     ("NFILL", "it makes nodes between others"),
@@ -34,7 +34,7 @@ enum Current {
 
 /// Keyword block that the current data lines belong to.
 enum Open {
-    /// Nothing that is read.
+    /// Ignored keyword.
     Other,
     Nodes {
         set: Option<usize>,
@@ -44,7 +44,7 @@ enum Open {
         set: Option<usize>,
         /// True if the elements are no plane or solid cells.
         is_structural: bool,
-        /// Fields of an element that goes on in the next line, and where it began.
+        /// Fields of an element that continues in the next line, and its first line.
         begun: Option<(Vec<u64>, Place)>,
     },
     /// Elements without a shape.
@@ -119,7 +119,7 @@ fn read_lines(content: &[u8]) -> Result<Contents, MeshError> {
     close(open, lines.place())?;
     let Reader { mut contents, parts, .. } = reader;
     if contents.scopes.len() == 1 {
-        // parts without an assembly are taken as they are
+        // parts of a file without an assembly are used directly
         contents.scopes.extend(parts);
     }
     let has = |what: fn(&Scope) -> bool| contents.scopes.iter().any(what);
@@ -153,7 +153,7 @@ impl Reader {
         }
     }
 
-    /// Object that the lines behind a keyword belong to.
+    /// Object to which the data lines of a keyword belong.
     fn open(&mut self, keyword: Keyword) -> Result<Open, MeshError> {
         let refuse = |reason| keyword.fail(FileProblem::Keyword { keyword: keyword.name.clone(), reason });
         if let Some((_, reason)) = REFUSED.iter().find(|(name, _)| *name == keyword.name) {
@@ -192,7 +192,7 @@ impl Reader {
                         Open::Surface { surface: surfaces.len() - 1 }
                     }
                     Some("NODE") => Open::NodeSurface { set: self.scope().node_sets.open(&name, &keyword) },
-                    // analytical surfaces are no part of the mesh
+                    // analytical surfaces are not part of the mesh
                     Some(_) => Open::Other,
                 }
             }
@@ -341,7 +341,7 @@ impl Reader {
     }
 }
 
-/// The number and nodes of an element once all its lines are there, and where it began. Numbers behind the nodes are left out.
+/// Number and nodes of a complete element, and its first line. Numbers after the nodes are ignored.
 fn element_fields(
     shape: Shape,
     begun: &mut Option<(Vec<u64>, Place)>,

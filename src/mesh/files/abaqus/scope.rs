@@ -1,4 +1,4 @@
-//! Nodes, elements, sets and surfaces that are numbered and named together: those of a part, of an instance, or of the rest of the file.
+//! Nodes, elements, sets and surfaces with common numbers and names: those of a part, of an instance, or of the rest of the file.
 
 use std::collections::{HashMap, HashSet};
 
@@ -8,13 +8,13 @@ use super::sets::{Set, Sets};
 use crate::mesh::MeshError;
 use crate::mesh::file_error::{FileError, FileProblem, Place};
 
-/// A surface whose sets of elements are not looked up yet.
+/// Surface whose element sets are not resolved yet.
 #[derive(Clone)]
 pub(super) struct Sides {
     pub name: String,
     pub at: Place,
     pub is_internal: bool,
-    /// Element or set of elements, a side as it is written, empty for all sides on the hull, and the line.
+    /// Element or element set, side as written (empty: all sides on the hull), and line.
     pub sides: Vec<(String, String, Place)>,
 }
 
@@ -67,7 +67,7 @@ impl Scope {
         }
     }
 
-    /// Sets that the file does not keep for its own use, with their numbers.
+    /// Sets that are not internal to the file, with their indices.
     pub fn named_sets(&self, kind: Kind) -> impl Iterator<Item = (usize, &Set)> {
         self.sets(kind).list.iter().enumerate().filter(|(_, set)| !set.is_internal)
     }
@@ -102,7 +102,7 @@ impl Scope {
         Ok(())
     }
 
-    /// A line of data of an instance: by how much it is moved, or about which axis and by which angle it is turned after that.
+    /// Reads a data line of an instance: a translation, or the axis and angle of a rotation after the translation.
     pub fn place(&mut self, data: &Data, line: usize) -> Result<(), MeshError> {
         const MOVED: &str = "three numbers by which the instance is moved";
         const TURNED: &str = "two points of an axis and an angle in degrees by which the instance is turned";

@@ -12,7 +12,7 @@ pub(super) enum Member {
     Number(u64),
     /// First, last, step.
     Range([u64; 3]),
-    /// Another set, in small letters, or a number behind the name of an instance.
+    /// Another set in lower case, or a number after the name of an instance.
     Name(String),
 }
 
@@ -25,7 +25,7 @@ pub(super) struct Set {
     pub at: Place,
     /// True if the set is internal to the input file: marked `INTERNAL`, or a name with a leading underscore.
     pub is_internal: bool,
-    /// Members of the set, each with the scope that the keyword names; `None`: the scope of the set.
+    /// Members of the set, each with the scope named by the keyword; `None`: the scope of the set.
     pub members: Vec<(Option<usize>, Member)>,
     /// For sets of nodes: sets of elements whose nodes belong to it.
     pub of_elements: Vec<(Option<usize>, String)>,
@@ -38,13 +38,13 @@ pub(super) struct Sets {
     places: BTreeMap<String, usize>,
 }
 
-/// A name by which sets, parts and instances are compared: in small letters, without quotation marks.
+/// Key for comparisons of names of sets, parts and instances: in lower case, without quotation marks.
 pub(super) fn key_of(name: &str) -> String {
     name.replace('"', "").to_lowercase()
 }
 
 impl Sets {
-    /// The set of that name, which is begun here if it is not there yet.
+    /// Set with a name, which is created if missing.
     pub fn open(&mut self, name: &str, keyword: &Keyword) -> usize {
         let next = self.list.len();
         let place = *self.places.entry(key_of(name)).or_insert(next);
@@ -60,7 +60,7 @@ impl Sets {
         self.list[set].members.push((None, Member::Number(number)));
     }
 
-    /// A line of data of a set whose numbers belong to a scope.
+    /// Reads a data line of a set whose numbers belong to a scope.
     pub fn add_line(&mut self, set: usize, data: &Data, is_range: bool, scope: Option<usize>) -> Result<(), MeshError> {
         if is_range {
             const EXPECTED: &str = "the first and the last number of a range, and its step";
@@ -80,13 +80,13 @@ impl Sets {
         Ok(())
     }
 
-    /// A number or name for a set.
+    /// Adds a number or name to a set.
     pub fn add_field(&mut self, set: usize, field: &str, scope: Option<usize>) {
         let member = field.parse().map_or_else(|_| Member::Name(key_of(field)), Member::Number);
         self.list[set].members.push((scope, member));
     }
 
-    /// The set of that name.
+    /// Set with a name.
     pub fn find(&self, key: &str) -> Option<usize> {
         self.places.get(key).copied()
     }

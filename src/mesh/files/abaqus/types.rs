@@ -1,4 +1,4 @@
-//! Names of element types: families and what their numbers of nodes mean.
+//! Names of element types: families and numbers of nodes.
 
 use super::super::tables::Shape;
 use crate::elements::CellKind;
@@ -10,7 +10,7 @@ pub(super) enum Family {
     Cell,
     /// Surfaces in space: shells, membranes, rigid and surface elements. On solid cells they are facets of boundaries.
     Surface,
-    /// Trusses, as which mesh generators write lines of boundaries.
+    /// Trusses, which mesh generators write for lines of boundaries.
     Line,
     /// Beams.
     Beam,
@@ -25,7 +25,7 @@ pub(super) enum ElementType {
     Structural,
 }
 
-/// Families with the dimension of their elements; where one begins like another, the longer one first.
+/// Families with the dimension of their elements; of names with a common prefix the longer one first.
 const FAMILIES: &[(&str, usize, Family)] = &[
     ("CPEG", 2, Family::Cell),
     ("CPE", 2, Family::Cell),
@@ -53,8 +53,8 @@ const FAMILIES: &[(&str, usize, Family)] = &[
     ("B3", 1, Family::Beam),
 ];
 
-/// Beginnings of the names of elements that are no cells: point elements, beams, pipes, trusses, connectors, surface elements around an
-/// axis, elements of networks.
+/// Prefixes of the names of elements that are no cells: point elements, beams, pipes, trusses, connectors, axisymmetric surface elements,
+/// elements of networks.
 const STRUCTURAL: &[&str] = &[
     "SPRING", "DASHPOT", "MASS", "ROTARYI", "HEATCAP", "CONN", "DCOUP", "GAP", "ITS", "ITT", "IRS", "ISL", "JOINT", "DRAG", "TUBE", "PSI",
     "B2", "B3", "PIPE", "ELBOW", "FRAME", "T2D", "T3D", "R2D", "RAX", "RB", "SAX", "MAX", "MGAX", "MCL", "SFM", "M3D", "R3D", "STRI", "DS",
@@ -67,7 +67,7 @@ pub(super) fn type_of(name: &str) -> Option<ElementType> {
     if let Some((shape, family)) = shape_of(&name) {
         return Some(ElementType::Shaped(shape, family));
     }
-    // shells of other numbers of nodes, elements of a user, elements of a network
+    // shells with other numbers of nodes, user elements, elements of networks
     let is_numbered = |letter: char| name.strip_prefix(letter).is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_digit()));
     let is_structural = name == "D" || is_numbered('U') || is_numbered('S') || STRUCTURAL.iter().any(|begin| name.starts_with(begin));
     is_structural.then_some(ElementType::Structural)
@@ -78,7 +78,7 @@ fn shape_of(name: &str) -> Option<(Shape, Family)> {
     let rest = &name[family.len()..];
     let digits = rest.bytes().take_while(u8::is_ascii_digit).count();
     let (count, letters) = rest.split_at(digits);
-    // may have nodes in its faces besides
+    // may have additional nodes in its faces
     if family == "C3D" && rest.starts_with("15V") {
         return None;
     }
@@ -86,7 +86,7 @@ fn shape_of(name: &str) -> Option<(Shape, Family)> {
         return None;
     }
     let nodes: usize = match (kind, count) {
-        // the second digit of a beam's name counts its nodes less one
+        // the second digit of the name of a beam is its number of nodes minus one
         (Family::Beam, "1") => 2,
         (Family::Beam, "2") => 3,
         (Family::Beam, _) => return None,

@@ -1,4 +1,4 @@
-//! Elements and names of groups, which both versions write alike.
+//! Elements and names of groups, which have a common layout in both versions.
 
 use super::super::tables::{Shape, Tables};
 use super::source::{Entry, Section, Source};
@@ -30,9 +30,9 @@ pub(in crate::mesh::files) fn number_of(shape: Shape) -> u64 {
     }
 }
 
-/// Keeps an element whose nodes are the numbers that are left of its entry.
+/// Adds an element whose nodes are the remaining numbers of its entry.
 pub(super) fn add_element(tables: &mut Tables, gmsh_type: u64, number: u64, groups: u32, mut entry: Entry) -> Result<(), MeshError> {
-    // prisms of 18 and pyramids of 14 nodes, whose last ones lie in their faces
+    // prisms of 18 and pyramids of 14 nodes, whose last nodes lie in their faces
     let known = match gmsh_type {
         13 => tables.without_face_nodes(CellKind::Wedge15, number).map(|(shape, _)| (shape, 3)),
         14 => tables.without_face_nodes(CellKind::Pyr13, number).map(|(shape, _)| (shape, 1)),
@@ -41,7 +41,7 @@ pub(super) fn add_element(tables: &mut Tables, gmsh_type: u64, number: u64, grou
     let Some((shape, in_faces)) = known else {
         return entry.fail(FileProblem::UnsupportedCell { element: number, kind: kind_name(gmsh_type) });
     };
-    // more than any of them has
+    // larger than the number of nodes of any element
     let mut nodes = [0; 32];
     let nodes = &mut nodes[..shape.nodes()];
     for node in &mut *nodes {
@@ -54,7 +54,7 @@ pub(super) fn add_element(tables: &mut Tables, gmsh_type: u64, number: u64, grou
     Ok(())
 }
 
-/// The section of names, the same in both versions: `dimension number "name"`.
+/// Reads the section of names, common to both versions: `dimension number "name"`.
 pub(super) fn read_names(source: &mut Source, tables: &mut Tables) -> Result<(), MeshError> {
     const EXPECTED: &str = "dimension, number and name in quotation marks of a physical group";
     let mut section = Section::new("$PhysicalNames", source);

@@ -1,4 +1,4 @@
-//! The sections of a Gmsh file one after the other.
+//! Sections of a Gmsh file in their order.
 
 use super::super::tables::Tables;
 use super::super::text::{format_of, shortened};
@@ -42,7 +42,7 @@ pub(in crate::mesh::files) fn read(content: &[u8]) -> Result<Tables, MeshError> 
         }
     }
     if matches!(version, Some(Version::Four)) && entities.is_none() && !tables.names.is_empty() {
-        // without it, the named groups would be lost without a word
+        // without this section, named groups would be lost silently
         return source.fail(FileProblem::MissingSection { section: "$Entities" });
     }
     Ok(tables)
@@ -82,7 +82,7 @@ fn read_section(
     }
 }
 
-/// The two layouts that are read.
+/// Supported versions.
 #[derive(Clone, Copy)]
 enum Version {
     Two,

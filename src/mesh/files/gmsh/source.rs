@@ -1,7 +1,7 @@
-//! The content of a Gmsh file, entry by entry: one line each in a text, numbers one behind the other in a binary file.
+//! Content of a Gmsh file, entry by entry: one line each in a text file, consecutive numbers in a binary file.
 //!
-//! The layouts of the two are the same but for that, so their readers are. Section marks and names are lines of text in both. Everything is
-//! read as it comes and kept only once it is there: a count that the file claims bounds a loop, never an allocation.
+//! Text and binary files have the same layout otherwise, so they share their readers. Section marks and names are lines of text in both.
+//! Numbers are stored only after they were read: a count in the file limits a loop, but never determines an allocation.
 
 use std::str::{FromStr, SplitAsciiWhitespace};
 
@@ -31,14 +31,14 @@ pub(super) struct Section {
     pub name: &'static str,
     /// Start of the section.
     pub begin: Place,
-    /// Entries that it announces.
+    /// Announced number of entries.
     pub announced: usize,
     /// Entries read.
     pub found: usize,
 }
 
 impl Section {
-    /// A section that begins where the source is.
+    /// Section that begins at the current place.
     pub fn new(name: &'static str, source: &Source) -> Section {
         Section { name, begin: source.place(), announced: 0, found: 0 }
     }
@@ -68,7 +68,7 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// An error at this place.
+    /// Error at the current place.
     pub fn fail<T>(&self, problem: FileProblem) -> Result<T, MeshError> {
         Err(FileError { at: self.place(), problem }.into())
     }
@@ -77,8 +77,8 @@ impl<'a> Source<'a> {
         self.encoding != Encoding::Text
     }
 
-    /// Goes on in binary: the order of bytes follows from the number 1 that stands here. Elements name their nodes by four bytes or, from
-    /// version 4 on, by sizes.
+    /// Continues in binary: the byte order follows from the number 1 at this place. Elements refer to nodes by four bytes or, from version
+    /// 4 on, by sizes.
     pub fn begin_binary(&mut self, size_bytes: u64, nodes_are_sizes: bool) -> Result<(), MeshError> {
         self.encoding = Encoding::Binary { is_little: true, size_bytes: 8, nodes_are_sizes };
         if !matches!(size_bytes, 4 | 8) {
@@ -115,7 +115,7 @@ impl<'a> Source<'a> {
     pub fn line(&mut self, section: &Section) -> Result<Entry<'_, 'a>, MeshError> {
         match self.next()? {
             None => Err(section.truncated(self.place())),
-            // a closing line that is cut off, or that comes too early
+            // a closing line that is incomplete or too early
             Some(text) if text.starts_with('$') && self.rest.is_empty() && text.strip_prefix("$End") != section.name.strip_prefix('$') => {
                 Err(section.truncated(self.place()))
             }
@@ -124,7 +124,7 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// The next entry of a section: a line, or where the next numbers stand.
+    /// Next entry of a section: a line, or the place of the next numbers.
     pub fn entry(&mut self, section: &Section) -> Result<Entry<'_, 'a>, MeshError> {
         match self.encoding {
             Encoding::Text => self.line(section),
@@ -139,7 +139,7 @@ impl<'a> Source<'a> {
         let at = self.place();
         let is_binary = self.is_binary();
         match self.next() {
-            // what is no text behind binary numbers are more of them
+            // bytes that are no text after binary numbers are further numbers
             Err(_) if is_binary => Err(section.miscounted(at, section.announced.saturating_add(1))),
             Err(error) => Err(error),
             Ok(None) => Err(section.truncated(self.place())),
@@ -152,12 +152,12 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// Passes over a section that is of no use here.
+    /// Skips a section that is not needed.
     pub fn skip(&mut self, name: &str) -> Result<(), MeshError> {
         let begin = self.place();
         let mut passed = 0;
         if self.is_binary() {
-            // numbers may look like anything: only the closing mark itself counts
+            // numbers may have any bytes, so only the closing mark counts
             let mark = format!("$End{name}");
             return match self.rest.windows(mark.len()).position(|window| window == mark.as_bytes()) {
                 Some(found) => {
@@ -182,7 +182,7 @@ impl<'a> Source<'a> {
     }
 }
 
-/// One entry: the fields of a line, or numbers one behind the other.
+/// Entry: the fields of a line, or consecutive numbers.
 pub(super) struct Entry<'s, 'a> {
     source: &'s mut Source<'a>,
     words: SplitAsciiWhitespace<'a>,
@@ -226,7 +226,7 @@ impl<'a> Entry<'_, 'a> {
         }
     }
 
-    /// A number from 0 on, of four bytes.
+    /// Nonnegative number of four bytes.
     pub fn natural(&mut self, expected: &'static str) -> Result<u64, MeshError> {
         match self.source.encoding {
             Encoding::Text => self.word(expected),
@@ -239,7 +239,7 @@ impl<'a> Entry<'_, 'a> {
         }
     }
 
-    /// A number from 0 on, of the size that the file names.
+    /// Nonnegative number with the size given by the file.
     pub fn size(&mut self, expected: &'static str) -> Result<u64, MeshError> {
         match self.source.encoding {
             Encoding::Text => self.word(expected),
@@ -272,12 +272,12 @@ impl<'a> Entry<'_, 'a> {
         }
     }
 
-    /// Three of them.
+    /// Three real numbers.
     pub fn point(&mut self, expected: &'static str) -> Result<[f64; 3], MeshError> {
         Ok([self.real(expected)?, self.real(expected)?, self.real(expected)?])
     }
 
-    /// Nothing may follow in the line.
+    /// Checks that the line has no further fields.
     pub fn end(&mut self, expected: &'static str) -> Result<(), MeshError> {
         if self.words.next().is_some() { Err(self.malformed(expected)) } else { Ok(()) }
     }

@@ -1,7 +1,7 @@
-//! Sections of version 2.2: one list of nodes, one list of elements that carry their physical group themselves.
+//! Sections of version 2.2: one list of nodes, one list of elements with their physical group.
 //!
-//! An element in several physical groups is written once for each. In a binary file a head says of some elements that follow what they have
-//! in common.
+//! An element in several physical groups is repeated for each. In a binary file a header contains the common data of the following
+//! elements.
 
 use super::super::tables::Tables;
 use super::elements::{ELEMENT, add_element};
@@ -54,7 +54,7 @@ pub(super) fn read_elements(source: &mut Source, tables: &mut Tables) -> Result<
             for tag in 0..tags {
                 let value = entry.int(ELEMENT)?;
                 if tag == 0 {
-                    // a negative number means reversed; orientation comes from the cells here
+                    // a negative number means reversed; orientation follows from the cells here
                     physical = value.unsigned_abs();
                 }
             }

@@ -26,7 +26,7 @@ pub(super) fn read_partitioned_entities(source: &mut Source, entities: &mut Enti
     entry.size(PARTS)?;
     entry.end(PARTS)?;
     let mut entry = source.entry(&section)?;
-    // in a text every ghost has a line of its own
+    // in a text file every ghost has a line of its own
     let ghosts = entry.count(GHOSTS)?;
     entry.end(GHOSTS)?;
     for _ in 0..ghosts {
@@ -62,12 +62,12 @@ fn read_entities_of(source: &mut Source, mut section: Section, entities: &mut En
             }
             let mut groups = Vec::new();
             for _ in 0..entry.size(EXPECTED)? {
-                // a negative number means reversed; orientation comes from the cells here
+                // a negative number means reversed; orientation follows from the cells here
                 groups.push(entry.int(EXPECTED)?.unsigned_abs());
             }
             groups.sort_unstable();
             groups.dedup();
-            // what bounds it stands at the end of its line and is of no use
+            // bounding entities at the end of the line are not needed
             if is_binary && dimension > 0 {
                 for _ in 0..entry.size(EXPECTED)? {
                     entry.int(EXPECTED)?;
@@ -80,7 +80,7 @@ fn read_entities_of(source: &mut Source, mut section: Section, entities: &mut En
     source.close(&section)
 }
 
-/// A section of blocks, and how many it has; of the smallest and the largest number nothing follows.
+/// Starts a section of blocks; returns the section and the number of its blocks. The smallest and largest numbers are ignored.
 fn blocks(source: &mut Source, name: &'static str, expected: &'static str) -> Result<(Section, usize), MeshError> {
     let mut section = Section::new(name, source);
     let mut header = source.entry(&section)?;

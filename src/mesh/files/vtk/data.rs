@@ -1,4 +1,4 @@
-//! Numbers of a data array of VTK's XML files: as text, as base64, or as bytes behind the text; plain or in zlib blocks.
+//! Numbers of a data array of VTK's XML files: as text, as base64, or as appended bytes; plain or in zlib blocks.
 
 use std::io::Read as _;
 
@@ -84,7 +84,7 @@ impl Numbers {
 pub(super) struct Layout {
     /// True if the least byte of a number comes first.
     pub is_little: bool,
-    /// Bytes of the numbers that say how long data are.
+    /// Size of the numbers that give the length of data `[bytes]`.
     pub header: usize,
     /// True for data in zlib blocks.
     pub is_compressed: bool,
@@ -126,14 +126,14 @@ pub(super) fn of_bytes(bytes: &[u8], scalar: Scalar, is_little: bool) -> Result<
     })
 }
 
-/// Bytes of base64 text, which may be several pieces one behind the other, each with its filling.
+/// Bytes of base64 text, which may consist of several consecutive pieces, each with its padding.
 pub(super) fn of_base64(text: &[u8]) -> Result<Vec<u8>, String> {
     let clean: Vec<u8> = text.iter().copied().filter(|byte| !byte.is_ascii_whitespace()).collect();
     let mut bytes = Vec::with_capacity(clean.len() / 4 * 3);
     let mut rest = &clean[..];
     while !rest.is_empty() {
         let filling = rest.iter().position(|&byte| byte == b'=').unwrap_or(rest.len());
-        // a piece has four characters at least, or filling without text would never end
+        // a piece has at least four characters, otherwise padding without text would never end
         let end = filling.div_ceil(4).max(1).saturating_mul(4).min(rest.len());
         STANDARD.decode_vec(&rest[..end], &mut bytes).map_err(|error| format!("it is no base64 text: {error}"))?;
         rest = &rest[end..];

@@ -7,10 +7,10 @@ use crate::elements::CellKind;
 use crate::mesh::MeshError;
 use crate::mesh::file_error::{FileError, FileProblem, Place};
 
-/// Largest number of different values of an array that makes groups; more are numbers of cells, not of groups.
+/// Largest number of different values of an array of groups; an array with more values contains cell numbers.
 const MOST_GROUPS: usize = 256;
 
-/// Arrays whose numbers belong to single cells or to the work of filters.
+/// Arrays with numbers of single cells or for filters.
 const NO_GROUPS: [&str; 4] = ["GlobalIds", "GlobalCellIds", "GlobalElementId", "ElementId"];
 
 /// Cells of a piece of a grid.
@@ -40,12 +40,12 @@ impl Content {
         Content { tables: Tables::default(), left_out: BTreeSet::new(), cells: 0 }
     }
 
-    /// Leaves an array out, which belongs to points, to cells, or holds no groups.
+    /// Records an array as left out.
     pub(super) fn leave_out(&mut self, name: &str) {
         self.left_out.insert(name.into());
     }
 
-    /// Adds a piece. Names of groups are given by array and value, or made of both.
+    /// Adds a piece. Names of groups are given by array and value, or composed of both.
     pub(super) fn add(&mut self, mut piece: GridPiece, names: &BTreeMap<(String, i64), String>) -> Result<(), MeshError> {
         let first = self.tables.points.len() as u64;
         for (index, point) in (first..).zip(piece.points.chunks_exact(3)) {
@@ -81,7 +81,7 @@ impl Content {
         Ok(())
     }
 
-    /// Number of the group of each value of each array, with its name.
+    /// Group numbers of all values of each array, with their names.
     fn numbers_of_groups<'a>(
         &mut self,
         groups: &'a [(String, Vec<i64>)],

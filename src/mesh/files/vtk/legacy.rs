@@ -76,7 +76,7 @@ fn word<'a>(words: &[&'a str], index: usize) -> &'a str {
     words.get(index).copied().unwrap_or_default()
 }
 
-/// Cells: until version 4 each with the number of its nodes before them, from version 5 on as offsets and connectivity.
+/// Reads cells: until version 4 each with the number of its nodes before them, from version 5 on as offsets and connectivity.
 fn cells(file: &mut File, piece: &mut GridPiece, [count, size]: [usize; 2]) -> Result<(), MeshError> {
     piece.at[1] = file.place();
     let before = file.at;
@@ -109,7 +109,7 @@ fn cells(file: &mut File, piece: &mut GridPiece, [count, size]: [usize; 2]) -> R
     Ok(())
 }
 
-/// An array of points or cells, or the fields of a file; single whole numbers of cells are groups.
+/// Reads an array of points or cells, or the fields of a file; single whole numbers of cells are groups.
 fn data(file: &mut File, words: &[&str], section: Section, piece: &mut GridPiece, content: &mut Content) -> Result<(), MeshError> {
     let at = file.place();
     let expected = "a keyword of the legacy format, such as CELLS or SCALARS";
@@ -174,7 +174,7 @@ fn data(file: &mut File, words: &[&str], section: Section, piece: &mut GridPiece
     Ok(())
 }
 
-/// A name in which `%20` and the like stand for characters.
+/// Name with decoded escapes such as `%20`.
 fn decoded(name: &str) -> String {
     let mut pieces = name.split('%');
     let mut text = pieces.next().unwrap_or_default().to_string();

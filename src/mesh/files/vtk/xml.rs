@@ -1,6 +1,6 @@
 //! Grids as XML (VTK file formats, "XML file formats"): arrays of text, base64 or appended bytes, in zlib blocks or plain.
 //!
-//! Names of groups are taken from comments such as `body 0: ring`, with which this program writes the names of bodies.
+//! Names of groups come from comments such as `body 0: ring`, which this program writes for its bodies.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -12,7 +12,7 @@ use super::grid::{Content, GridPiece};
 use crate::mesh::MeshError;
 use crate::mesh::file_error::{FileError, FileProblem, Place};
 
-/// Tag behind which bytes follow that are no XML.
+/// Tag after which bytes follow that are not XML.
 const APPENDED: &[u8] = b"<AppendedData";
 
 /// The content of a file.
@@ -47,10 +47,10 @@ fn names_of(document: &Document) -> BTreeMap<(String, i64), String> {
     named.collect()
 }
 
-/// A file with what its arrays need.
+/// File with the data that its arrays need.
 struct File<'a> {
     layout: Layout,
-    /// Appended data, and whether they are text.
+    /// Appended data, and true if they are base64 text.
     appended: &'a [u8],
     is_text: bool,
     /// Starts of the arrays in the appended data, ascending.
@@ -133,7 +133,7 @@ impl<'a> File<'a> {
         self.numbers(array, count)?.whole().ok_or_else(|| undecodable(array, "it has numbers that are not whole".into()))
     }
 
-    /// Numbers of an array, as many as there must be.
+    /// Numbers of an array, with the required count.
     fn numbers(&self, array: Node, count: Option<usize>) -> Result<Numbers, MeshError> {
         let numbers = self.decoded(array).map_err(|reason| undecodable(array, reason))?;
         match count {
