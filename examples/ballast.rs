@@ -1,5 +1,5 @@
-//! A part with a mass of its own, written beside the crate: ballast on a corner of the block that swings on a spring in `newmark.rs`.
-//! How far the motion is from the closed form, and with which order that falls. `cargo run --release --example ballast`
+//! A force element with a mass, implemented outside of the crate: ballast at a corner of the block of `newmark.rs`, which vibrates on a
+//! spring. Prints the largest difference from the closed form, and its order. `cargo run --release --example ballast`
 
 use std::error::Error;
 use std::f64::consts::TAU;
@@ -18,7 +18,7 @@ use newmark::{AMPLITUDE, STIFFNESS, oscillator};
 #[derive(Clone)]
 pub struct Ballast {
     pub body: usize,
-    /// Node of the body's mesh; of the part, in the numbering of the model.
+    /// Node of the body's mesh; after placing, in the numbering of the model.
     pub node: u32,
     pub mass: f64,
 }
@@ -35,7 +35,7 @@ impl PartDefinition for Ballast {
     }
     fn changed(&self, change: &Change) -> Arc<dyn PartDefinition> {
         let [mass, length, _] = change.units;
-        // In the plane it is a mass per thickness.
+        // In the plane the mass is per thickness.
         Arc::new(Ballast { mass: self.mass * mass / if change.is_plane { length } else { 1.0 }, ..self.clone() })
     }
     fn describe(&self) -> String {

@@ -1,5 +1,5 @@
-//! The bearing of Hesch and Betsch (2007) on the kernels alone, without a script: two rings in frictionless mortar contact, spun up by a
-//! torque, then left alone. Prints the ledger of every 20th step and the drift of the energy.
+//! Bearing of Hesch and Betsch (2007) with the kernels alone, without a script: two rings in frictionless mortar contact, spun up by a
+//! torque, then free. Prints the ledger of every 20th step and the drift of the energy.
 //!
 //! `cargo run --release --example bearing -- [refine] [dt] [until]`
 

@@ -1,7 +1,7 @@
-//! The bearing over step sizes, torques, supports, refinements, contact methods and update rules: does the ledger close in every step, does
-//! contact give energy, does the energy drift once the torque has ended?
+//! The bearing over step sizes, torques, supports, refinements, contact methods and update rules, with checks of the ledger in every step,
+//! of the sign of contact work, and of the energy drift after the torque.
 //!
-//! One line a run, a summary a rule.
+//! One line for each run, a summary for each rule.
 //!
 //! `cargo run --release --example bearings -- [count] [--rule R] [--method M] [--refine N] [--until T] [--threads N]`
 

@@ -1,13 +1,13 @@
-//! How robust the contact iteration is: seeded random collisions of two free rings, half of them one inside the other, with a secondary
-//! mesh finer or coarser than the primary. Prints the share of nominal steps that had to be halved, iterations of Newton's method, and
-//! the worst defects of the ledger and of the momenta.
+//! Robustness of the contact iteration: seeded random collisions of two free rings, half of them one inside the other, with a secondary
+//! mesh finer or coarser than the primary. Prints the fraction of halved nominal steps, Newton iterations, and the largest defects of the
+//! ledger and of the momenta.
 //!
-//! The set is that of the project's experiments on the contact iteration: speeds 2 to 40, spins -30 to 30, steps 0.001, 0.002 and 0.005,
-//! 60 steps; their recommended algorithm halved no step and took 3.6 iterations on it, and 3.8 with three times the step (a stress test:
-//! approach of up to one and a half facets a step), 40 steps.
+//! The set is that of the project's experiments on the contact iteration: speeds 2 to 40, spins -30 to 30, steps 0.001, 0.002 and 0.005, 60
+//! steps. Their recommended algorithm halved no step with 3.6 iterations; with three times the step size (a stress test with an approach of
+//! up to one and a half facets a step) 3.8 iterations in 40 steps.
 //!
-//! `cargo run --release --example collisions -- [number of collisions] [factor of the step] [gap | persistency | velocity | penalty]
-//! [a contact method, such as mortar] [augmented]`
+//! `cargo run --release --example collisions -- [number of collisions] [factor of the step] [gap | persistency | velocity | penalty] [a
+//! contact method, such as mortar] [augmented]`
 
 use std::error::Error;
 
@@ -86,7 +86,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let (model, dt) = collision(k, rule, method, augmented)?;
         let mut sim = Simulation::new(&model, Options::new(&ENERGY_MOMENTUM, factor * dt))?;
         let energy = sim.row().total();
-        // Momenta that are compared with: of the bodies' masses at the speed that the energy stands for, about an arm of one.
+        // Scale of momenta: the masses of the bodies at the speed of the energy, with an arm of one.
         let size = (2.0 * energy * 1e-3 * 5.0).sqrt();
         let (mut worst, mut touched, mut report) = (0.0f64, 0, String::new());
         for step in 0..steps {

@@ -1,4 +1,4 @@
-//! Time of one contact evaluation of two rings in mortar contact, per live pair; no script, no solver.
+//! Time of one contact evaluation of two rings in mortar contact, per active facet pair; no script, no solver.
 //!
 //! Run with `cargo run --release --example contact_timing`. The rings are those of the bearing scenario, refined by 1, 2, 4.
 
@@ -9,7 +9,7 @@ use std::time::Instant;
 use conserva::contact::{CandidateSearch, Evaluation, Mortar, PatchFunctions, PredictedMotion};
 use conserva::integrators::Derivative;
 
-/// Nodes of a circle of facets, one after the other.
+/// Coordinates of the nodes of a circle of facets, in order.
 fn circle(count: u32, radius: f64, turn: f64) -> impl Iterator<Item = f64> {
     (0..count).flat_map(move |i| {
         let angle = turn + TAU * f64::from(i) / f64::from(count);

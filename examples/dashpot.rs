@@ -1,5 +1,5 @@
-//! A part that this crate does not have, written beside it: a dashpot, which turns energy into heat whatever the time integrator is.
-//! A block on a spring and a dashpot: how far from the closed form it is, and whether the ledger closes with the heat.
+//! A force element implemented outside of the crate: a dashpot, whose energy becomes heat with every time integrator. Prints the difference
+//! of a block on a spring and a dashpot from the closed form, and the ledger defect including the heat.
 //! `cargo run --release --example dashpot`
 
 use std::error::Error;
@@ -16,13 +16,13 @@ use conserva::linear::{Block, Pattern};
 pub mod newmark;
 use newmark::{AMPLITUDE, STIFFNESS, oscillator};
 
-/// A dashpot between two nodes of a plane model: a force against the velocity of one relative to the other.
+/// Dashpot between two nodes of a plane model, with a force opposite to their relative velocity.
 #[derive(Clone)]
 pub struct Dashpot {
-    /// Body and node of its mesh, twice.
+    /// Body and node of its mesh, for both ends.
     pub ends: [(usize, u32); 2],
     pub viscosity: f64,
-    /// The nodes in the numbering of the model, and their blocks in the matrix.
+    /// Nodes in the numbering of the model, and their blocks in the matrix.
     pub placed: ([u32; 2], [Block; 4]),
 }
 
@@ -76,7 +76,7 @@ impl Part for Dashpot {
     }
 }
 
-/// Distance from the closed form over the motion at the start, and the largest defect of the ledger over the energy there.
+/// Difference from the closed form over the initial motion, and the largest defect of the ledger over the initial energy.
 pub fn run(scheme: &'static Scheme, steps: usize) -> Result<[f64; 2], Box<dyn Error>> {
     let (viscosity, speed, end) = (1.0, 0.3, 2.0);
     let mut model = oscillator()?;

@@ -1,9 +1,9 @@
-//! Press fits of rings by `settle` on the kernels alone, over interference, refinement, ratio of radii and contact method, against the
-//! pressures of Lamé. What is not right must be refused: a fit without pressure is counted, and the program fails.
+//! Press fits of rings by `settle` with the kernels alone, over interference, refinement, ratio of radii and contact method, compared with
+//! the pressures of Lamé. Inaccurate cases must be refused: an accepted fit without pressure is counted, and the program fails.
 //!
-//! Rows of bodies of revolution are slices held along the axis (plane strain) with an interference of a thousandth of the radius, whatever
-//! it is in facets: the slice is as long as that takes. Rows of plane rings (plane stress) are polygons around the axis, which come near
-//! Lamé as they are refined, and with more than small strains near a limit of their own.
+//! Rows of bodies of revolution are slices fixed along the axis (plane strain) with an interference of a thousandth of the radius, whatever
+//! it is in facets: the length of the slice follows. Rows of plane rings (plane stress) are polygons around the axis, which converge to
+//! Lamé's solution with refinement, and for more than small strains to a limit of their own.
 //!
 //! `cargo run --release --example fits -- [most cells around]`
 
@@ -22,12 +22,12 @@ const POISSON: f64 = 0.3;
 /// Cells across each ring.
 const ACROSS: usize = 8;
 
-/// What a pressure may be off where strains are small and facets fine.
+/// Largest relative error of a pressure for small strains and fine facets.
 const OFF: f64 = 0.01;
 
 type Outcome = Result<f64, Box<dyn Error>>;
 
-/// The two rings of a fit, their contact on the sides of these names, and what holds them.
+/// Mean pressure of two rings with their contact sides and supports.
 fn pressure(meshes: [(Mesh, &str); 2], plane: Plane, method: &'static ContactMethod, held: &[&str]) -> Outcome {
     let law: Material = NeoHookean { youngs_modulus: YOUNG, poisson_ratio: POISSON, density: 1.0 }.material()?;
     let mut model = Model::new("fit");
@@ -44,17 +44,17 @@ fn pressure(meshes: [(Mesh, &str); 2], plane: Plane, method: &'static ContactMet
     let mut sim = Simulation::new(&model, Options::new(&ENERGY_MOMENTUM, 1e-3))?;
     sim.settle()?;
     let fields = sim.contact("fit").ok_or("there is no such contact")?;
-    // The mean over the surface: nodal pressures of a method that fails the patch test differ, and those at ends stand for half as much.
+    // Mean over the surface: nodal pressures of a method that fails the patch test vary, and end nodes have half the weight.
     Ok(fields.normal_force / fields.area)
 }
 
-/// Radial displacement of a ring's contact side at radius 1 by a unit pressure, its other side at that radius.
+/// Radial displacement of a ring's contact side at radius 1 under unit pressure, with its other side at the radius `other`.
 fn compliance(other: f64, plane: Plane) -> f64 {
     let (square, flat) = (other * other, if plane == Plane::Stress { (1.0 - POISSON) / (1.0 + POISSON) } else { 1.0 - 2.0 * POISSON });
     (1.0 + POISSON) / YOUNG * (flat + square) / (square - 1.0).abs()
 }
 
-/// A slice of two rings of revolution with an interference of so many facets along the axis, over Lamé.
+/// Pressure of a slice of two rings of revolution with an interference in facets along the axis, over Lamé's.
 fn slice(facets: f64, cells: usize, ratio: f64, method: &'static ContactMethod) -> Outcome {
     let interference = 1e-3;
     let (inner, length) = (1.0 / ratio, cells as f64 * interference / facets);
@@ -64,7 +64,7 @@ fn slice(facets: f64, cells: usize, ratio: f64, method: &'static ContactMethod) 
     Ok(pressure * (compliance(ratio, Plane::Strain) + compliance(inner, Plane::Strain)) / interference)
 }
 
-/// Two plane rings with so many facets around and an interference over the radius, over Lamé.
+/// Pressure of two plane rings with a number of facets around and an interference over the radius, over Lamé's.
 fn rings(interference: f64, cells: usize, ratio: f64, method: &'static ContactMethod) -> Outcome {
     let inner = 1.0 / ratio;
     let hub = ring(1.0, ratio, [ACROSS, cells], [0.0; 2], 0.0)?;
@@ -113,7 +113,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                     let facets = interference * cells as f64 / std::f64::consts::TAU;
                     let what = format!("rings, {}, radii 1 : {ratio}, {cells} facets around, {facets:.4} facets", method.name);
                     let found = rings(interference, cells, ratio, method);
-                    // Each doubling changes less than the one before, and small strains come to Lamé.
+                    // Each doubling changes less than the previous one, and small strains converge to Lamé's solution.
                     let now = found.as_ref().ok().copied();
                     let least = before.zip(now).map_or(change, |(before, now)| (now - before).abs());
                     let converges = least <= change || least < OFF * OFF;

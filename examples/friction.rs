@@ -56,7 +56,7 @@ struct Arguments {
     script: Option<u64>,
 }
 
-/// Hears what a session prints, and stops it when it takes too long.
+/// Observer that collects printed lines, and stops a session that takes too long.
 struct Listener {
     printed: RefCell<Vec<String>>,
     interrupt: Arc<AtomicBool>,

@@ -1,9 +1,8 @@
-//! Damaged files of every format that is read back, for some seconds: no panic, none that is caught either, no hang, no exhausted memory.
+//! Damaged files of every format that is read back, for some seconds: no panic (including caught ones), no hang, no exhausted memory.
 //!
 //! `cargo run --release --example fuzz_files -- 1800 [SEED]`. A small run makes one file of each kind; mesh files are those of the tests
-//! (`examples/fuzz_meshes.rs` damages them by the thousand). Checkpoints get the checksum of their damaged content, so that it is read,
-//! and some are resumed. What is being read is in the folder `fuzz_files_SEED` in that for
-//! temporary files. A seed makes the same files again.
+//! (`examples/fuzz_meshes.rs` damages thousands of them). Checkpoints get the checksum of their damaged content, so that it is read, and
+//! some are resumed. The file being read is in the folder `fuzz_files_SEED` in the folder for temporary files. A seed reproduces the files.
 
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -26,13 +25,13 @@ use conserva::script::{Checkpoints, Class, Session, Settings, Silent};
 use conserva::studies::{Design, Limits, Plan, Record, RecordOutcome, Rows, Scenario, StudyFolder, StudyTable, read_study_file};
 use mesh_damage::{SplitMix, damaged, originals};
 
-/// Longer than any of these small files may take.
+/// Time limit of reading one of these small files.
 const SLOW: Duration = Duration::from_secs(10);
 
-/// Time after which a run that was resumed is stopped, as by Ctrl-C.
+/// Time after which a resumed run is stopped, as by Ctrl-C.
 const PATIENCE: Duration = Duration::from_secs(2);
 
-/// Of the checkpoints that can be read, one in so many is resumed.
+/// Every how many readable checkpoints one is resumed.
 const RESUMED: usize = 8;
 
 /// Two blocks that meet, with files of all kinds.
@@ -50,7 +49,7 @@ const SCRIPT: &str = "let law = neo_hookean(#{ youngs_modulus: 100.0, poisson_ra
     sweep(#{ vary: #{ x: [1.0, 2.0] }, run: |p| p.x });\n\
     result(\"end\", sim.time);\n";
 
-/// Panics of this program, and of the Parquet crate, whose panics are caught and told as damage.
+/// Panics of this program, and of the Parquet crate, whose panics are caught and reported as damage.
 static PANICS: [AtomicU64; 2] = [AtomicU64::new(0), AtomicU64::new(0)];
 static PLACES: Mutex<BTreeMap<String, u64>> = Mutex::new(BTreeMap::new());
 
@@ -79,7 +78,7 @@ fn run(folder: &Path, out: &str, until: Option<f64>, from: Option<Checkpoint>) -
     let settings = settings(folder, out, until);
     let (interrupt, over) = (settings.interrupt.clone(), Arc::new(AtomicBool::new(false)));
     let is_over = over.clone();
-    // A state of another step size may have a long way to go.
+    // A state with another step size may need many steps.
     let watch = std::thread::spawn(move || {
         let begun = Instant::now();
         while !is_over.load(Ordering::Relaxed) && begun.elapsed() < PATIENCE {
@@ -103,7 +102,7 @@ fn resumed(settings: Settings, folder: &Path, from: Option<Checkpoint>) -> Optio
     session.run_file(&folder.join("main.rhai")).error.map(|error| error.class)
 }
 
-/// A format with the files that damage begins with, and what reads it.
+/// A format with its undamaged files and its reader.
 struct Format {
     name: &'static str,
     file: PathBuf,
@@ -174,7 +173,7 @@ fn formats(folder: &Path) -> Vec<Format> {
     ]
 }
 
-/// Reads a checkpoint whose content is damaged and whose header agrees with it; resumes some.
+/// Reads a checkpoint with damaged content and a matching header; resumes some.
 fn read_checkpoint(path: &Path, random: &mut SplitMix) -> bool {
     let mut bytes = std::fs::read(path).unwrap_or_default();
     let header = MAGIC.len() + 16;
@@ -191,7 +190,7 @@ fn read_checkpoint(path: &Path, random: &mut SplitMix) -> bool {
     true
 }
 
-/// The checksum that a checkpoint has of its content.
+/// Checksum of the content of a checkpoint.
 fn crc32fast_of(content: &[u8]) -> u32 {
     checkpoint::Origin::digest(content).1
 }
@@ -206,7 +205,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let formats = formats(&folder);
     count_panics();
     let (mut random, begin) = (SplitMix(seed), Instant::now());
-    // Of each format how many files were damaged, how many of these were read all the same, and the slowest.
+    // Number of damaged files of each format, number of those that were readable, and the longest time.
     let mut counts = vec![(0u64, 0u64, Duration::ZERO); formats.len()];
     while begin.elapsed() < Duration::from_secs(seconds) {
         let index = random.below(formats.len());
@@ -229,7 +228,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         if took > SLOW {
             return Err(format!("{} took {took:?}", format.file.display()).into());
         }
-        // Others read this one, too.
+        // Other readers read this file, too.
         std::fs::write(&format.file, &format.originals[0].1)?;
     }
     for (format, (files, good, slowest)) in formats.iter().zip(&counts) {

@@ -1,7 +1,7 @@
 //! Damaged mesh files for some seconds: no panic, no hang, no exhausted memory.
 //!
-//! `cargo run --release --example fuzz_meshes -- 1800 [SEED]`. The content that is being read is in `fuzz_mesh_SEED` in the folder for
-//! temporary files, so that it is known even when the process dies; a seed makes the same files again.
+//! `cargo run --release --example fuzz_meshes -- 1800 [SEED]`. The content being read is in `fuzz_mesh_SEED` in the folder for temporary
+//! files, so that it is available even if the process dies; a seed reproduces the files.
 
 use std::time::{Duration, Instant};
 
@@ -11,7 +11,7 @@ mod mesh_damage;
 use conserva::output::peak_memory_bytes;
 use mesh_damage::{SplitMix, damaged, judged, originals};
 
-/// Longer than any of these small files may take.
+/// Time limit of reading one of these small files.
 const SLOW: Duration = Duration::from_secs(2);
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

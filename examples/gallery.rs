@@ -104,7 +104,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Runs a script; the place of the file that is shown.
+/// Runs a script; returns the path of the displayed file.
 fn run(script: &Path, output: &Path, shown: &str) -> Result<PathBuf, Box<dyn Error>> {
     let settings = Settings { output: Some(output.to_path_buf()), ..Settings::default() };
     let mut session = Session::new(settings, home(script), Rc::new(Silent)).map_err(|error| error.render(Ink::Plain))?;
@@ -138,7 +138,7 @@ fn page(repository: &Path) -> Result<String, Box<dyn Error>> {
     Ok(page)
 }
 
-/// The first paragraph of the comment at the beginning of a script; of a tutorial its title and what follows.
+/// First paragraph of the initial comment of a script; for a tutorial, the text after its title as well.
 fn first_words(text: &str) -> String {
     let comment = text.lines().map_while(|line| line.strip_prefix("//")).map(str::trim);
     let paragraphs: Vec<String> = comment

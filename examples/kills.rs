@@ -1,5 +1,5 @@
-//! Random scripts by the thousand, each run undisturbed and again killed at random moments (KILL, TERM, INT, HUP), resumed, the resumed one
-//! killed, too: every file and every printed line must be the same.
+//! Thousands of random scripts, each run uninterrupted, and again killed at random moments (KILL, TERM, INT, HUP) and resumed, with further
+//! kills of the resumed run: every file and every printed line must agree.
 //!
 //! One line for each script with a fault, then the sums.
 //!

@@ -1,7 +1,7 @@
-//! A material law that this crate does not have, written beside it: one whose resistance to a change of volume grows with the change.
+//! A material law implemented outside of the crate: its resistance to a change of volume grows with the change.
 //!
-//! A column that cannot spread is pressed together, and the program prints how far its height is from the closed form; then the load is
-//! gone, and what becomes of the energy is printed. `cargo run --release --example law`
+//! A laterally constrained column is compressed; the program prints the difference of its height from the closed form, and after unloading
+//! the change of the energy. `cargo run --release --example law`
 
 use std::error::Error;
 
@@ -38,7 +38,7 @@ impl Law for Stiffening {
     }
 }
 
-/// Distance from the closed form under a pressure, and the drift of the energy after it has gone over the energy then.
+/// Difference from the closed form under a pressure, and the energy drift after unloading over the energy at unloading.
 pub fn run(pressure: f64) -> Result<[f64; 2], Box<dyn Error>> {
     let law = Stiffening { lambda: 1.0, mu: 0.5, k: 40.0 };
     let mut model = Model::new("column");
@@ -47,7 +47,7 @@ pub fn run(pressure: f64) -> Result<[f64; 2], Box<dyn Error>> {
         model.fix(model.boundary(body, side)?, [true, false, false]);
     }
     model.fix(model.boundary(body, "bottom")?, [false, true, false]);
-    // Nothing is left of the load in the middle of the first step.
+    // The load vanishes at the middle of the first step.
     let let_go = Table::new(vec![(0.0, 1.0), (0.005, 0.0)]).ok_or("times grow")?;
     model.load(model.boundary(body, "top")?, LoadKind::Traction([0.0, -pressure, 0.0]), let_go);
     let mut sim = Simulation::new(&model, Options::new(&ENERGY_MOMENTUM, 0.02))?;

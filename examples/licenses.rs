@@ -1,7 +1,7 @@
-//! Writes THIRD-PARTY-LICENSES.md: every crate that the program is made of, with its license and the texts that the crate ships.
+//! Writes THIRD-PARTY-LICENSES.md: every crate in the program, with its license and the license texts of the crate.
 //!
-//! `cargo run --example licenses` writes the file, `-- --check` tells whether it is current. What `cargo metadata` says for this machine's
-//! target is what counts; crates of tests and tools are left out, as they are not shipped.
+//! `cargo run --example licenses` writes the file, `-- --check` reports if it is out of date. The list follows `cargo metadata` for this
+//! machine's target; crates of tests and tools are left out, because they are not shipped.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -13,7 +13,7 @@ const FILE: &str = "THIRD-PARTY-LICENSES.md";
 const HEAD: &str = "# Licenses of the crates in Conserva\n\nMade by `cargo run --example licenses` from `cargo metadata`; do not edit. \
     Conserva itself is under MIT or Apache-2.0, at your choice. Where a crate gives a choice, any of its licenses may be taken.\n\n";
 
-/// The texts of a crate's licenses, by the beginnings of their names.
+/// License texts of a crate, found by the beginnings of their names.
 fn texts(folder: &Path) -> Vec<String> {
     let is_license =
         |name: &str| ["LICENSE", "LICENCE", "COPYING", "NOTICE", "UNLICENSE"].iter().any(|begin| name.to_uppercase().starts_with(begin));

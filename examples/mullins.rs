@@ -1,8 +1,8 @@
-//! A law with history variables that this crate does not have, written beside it: rubber that softens where it has been strained before
-//! (Mullins 1948), as a damage of the whole energy (Simo, Computer Methods in Applied Mechanics and Engineering 60, 1987).
+//! A law with history variables implemented outside of the crate: rubber that softens where it has been strained before (Mullins 1948), as
+//! a damage of the whole energy (Simo, Computer Methods in Applied Mechanics and Engineering 60, 1987).
 //!
-//! Prints how far the pressure of a column is from the closed form down, up and farther down, and how exactly the energy of a column in
-//! motion is what is stored and what became heat. `cargo run --release --example mullins`
+//! Prints the difference of the pressure of a column from the closed form under loading, unloading and further loading, and the defect of
+//! the balance of stored energy and heat of a column in motion. `cargo run --release --example mullins`
 
 use conserva::dynamics::{LoadKind, Model, Options, Simulation, Table};
 use conserva::integrators::ENERGY_MOMENTUM;
@@ -39,15 +39,15 @@ impl Mullins {
         self.rest * (to - from) + (1.0 - self.rest) * self.scale * share
     }
 
-    /// `-int g' m dm`, the heat on the way to a largest energy `m` `[energy/volume]`.
+    /// `-int g' m dm`, the heat up to a largest energy `m` `[energy/volume]`.
     fn heat(&self, m: f64) -> f64 {
         self.work(0.0, m) - self.left(m) * m
     }
 
-    /// Stress of a step, or at its end, and the derivative with respect to the strain at the end.
+    /// Stress of a step, or at its end, and its derivative with respect to the strain at the end.
     fn respond<const S: usize>(&self, [start, end]: [&[f64; S]; 2], m: f64, of_step: bool) -> ([f64; S], [[f64; S]; S]) {
         let (w_1, last) = (self.energy(end), self.stress(end));
-        // The work of the mean stress of a quadratic energy is its change.
+        // For a quadratic energy the work of the mean stress equals the change of the energy.
         let (stress, share) = if of_step { (self.stress(&from_fn(|k| 0.5 * (start[k] + end[k]))), 0.5) } else { (last, 1.0) };
         // Mean of `g` over the change of `w`, and its derivative with respect to `w_1`.
         let [factor, slope] = if w_1 <= m {
@@ -75,7 +75,7 @@ impl<const S: usize> HistoryLaw<S> for Mullins {
     }
 
     fn responses_into(&self, step: &StrainStep<S>, responses: &mut [Response<S>]) {
-        // Half of a derivative with respect to the strain in the middle.
+        // Half of the derivative with respect to the strain in the middle.
         let (ends, weight) = if step.stress == StressOf::Middle { (step.middle, 0.5) } else { (step.end, 1.0) };
         for (point, response) in responses.iter_mut().enumerate() {
             for lane in 0..WIDTH {
@@ -113,8 +113,8 @@ impl<const S: usize> HistoryLaw<S> for Mullins {
     }
 }
 
-/// Largest distance of the pressure from the closed form, over the pressure; of the motion that follows the largest defect of the energy in
-/// a step, and the heat, over the energy at its start.
+/// Largest difference of the pressure from the closed form over the pressure; for the following motion the largest energy defect of a step
+/// and the heat, over the initial energy.
 pub fn run() -> Result<[f64; 3], Box<dyn Error>> {
     let law = Mullins { lambda: 1.0, mu: 0.5, rest: 0.3, scale: 0.02 };
     let row = CATALOGUE.iter().find(|row| row.name == "saint_venant_kirchhoff").ok_or("it is gone")?;

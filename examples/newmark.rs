@@ -1,7 +1,7 @@
-//! A time integrator that this crate does not have, written beside it: Newmark's method with any `beta` and `gamma`.
+//! A time integrator implemented outside of the crate: Newmark's method with any `beta` and `gamma`.
 //!
-//! A block on a spring swings, let go where the spring pulls. The program prints how far it is from the closed form at most,
-//! with which order that falls with the step, and what becomes of the energy. `cargo run --release --example newmark`
+//! A block on a spring vibrates after an initial displacement. The program prints the largest difference from the closed form, its order in
+//! the step size, and the change of the energy. `cargo run --release --example newmark`
 
 use std::error::Error;
 use std::f64::consts::TAU;
@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use conserva::dynamics::{End, Model, Options, Simulation, SpringDefinition, SpringElement, SpringLaw};
 use conserva::integrators::{
-    ConservedQuantities, Derivative, Dissipation, History, LagWeights, LeadingError, Parameters, Scheme, StepKind, UpdateCoefficients,
+    Affine, ConservedQuantities, Derivative, Dissipation, History, Lag, LeadingError, Parameters, Scheme, StepKind,
 };
 use conserva::materials::NeoHookean;
 use conserva::mesh::rectangle;
@@ -21,34 +21,34 @@ pub const fn newmark(name: &'static str, beta: f64, gamma: f64) -> Scheme {
         summary: "Newmark's method",
         derivative: Derivative::AT_END,
         remembers: &[History::Acceleration, History::Force],
-        velocity: UpdateCoefficients { moved: gamma / beta, velocity: 1.0 - gamma / beta, acceleration: 1.0 - 0.5 * gamma / beta },
-        acceleration: UpdateCoefficients { moved: 1.0 / beta, velocity: -1.0 / beta, acceleration: 1.0 - 0.5 / beta },
-        // `M a = -f` at both ends, so that forces have the shares of accelerations.
+        velocity: Affine { moved: gamma / beta, velocity: 1.0 - gamma / beta, acceleration: 1.0 - 0.5 * gamma / beta },
+        acceleration: Affine { moved: 1.0 / beta, velocity: -1.0 / beta, acceleration: 1.0 - 0.5 / beta },
+        // `M a = -f` at both ends, so that forces have the weights of the accelerations.
         weight: gamma,
-        lag: LagWeights::once(gamma),
+        lag: Lag::once(gamma),
         step: StepKind::Whole,
         dissipation: Dissipation::NONE,
         averages_stress: false,
         parameters: Parameters::NONE,
         promises: ConservedQuantities { energy: false, momentum: true, angular_momentum: false, order: if gamma == 0.5 { 2 } else { 1 } },
-        // Of the average acceleration; what makes `gamma` > 1/2 one of first order comes before it.
+        // Error of the average acceleration; for `gamma` > 1/2 the term of first order precedes it.
         error: LeadingError { first: 0.5 * (gamma - 0.5), second: 1.0 / 12.0 },
     }
 }
 
-/// Of second order, and without damping: the trapezoidal rule in other words.
+/// Second order, without damping: equivalent to the trapezoidal rule.
 pub static AVERAGE: Scheme = newmark("average acceleration", 0.25, 0.5);
-/// Of first order; fast vibrations fade.
+/// First order; fast vibrations decay.
 pub static DAMPED: Scheme = newmark("damped", 0.3025, 0.6);
 
-/// Stiffness of the spring, and how far it is stretched at the start.
+/// Stiffness of the spring, and its initial elongation.
 pub const STIFFNESS: f64 = 20.0;
 pub const AMPLITUDE: f64 = 0.1;
 const PERIODS: f64 = 3.0;
 
-/// A block of mass 1 on a spring that it has stretched.
+/// A block of mass 1 on an elongated spring.
 pub fn oscillator() -> Result<Model, Box<dyn Error>> {
-    // The block itself gives by STIFFNESS / modulus of the motion.
+    // The block deforms by STIFFNESS / modulus of the motion.
     let steel = NeoHookean { youngs_modulus: 1e8, poisson_ratio: 0.3, density: 1.0 }.material()?;
     let mut model = Model::new("oscillator");
     for (name, x, components) in [("wall", 0.0, [true, true, false]), ("block", 3.0, [false, true, false])] {
@@ -58,7 +58,7 @@ pub fn oscillator() -> Result<Model, Box<dyn Error>> {
             model.fix(model.boundary(body, side)?, components);
         }
     }
-    // From the right end of the wall's lower edge to the left end of the block's.
+    // From the right end of the wall's lower edge to the left end of that of the block.
     let ends = [(0, 1), (1, 0)];
     let (ends, law) = (ends.map(End::from), SpringLaw::linear(STIFFNESS));
     model.parts.push(Arc::new(SpringDefinition {
@@ -69,7 +69,7 @@ pub fn oscillator() -> Result<Model, Box<dyn Error>> {
     Ok(model)
 }
 
-/// Largest distance from the closed form in amplitudes, and the least and largest energy over that at the start.
+/// Largest difference from the closed form in amplitudes, and the smallest and largest energy over the initial one.
 pub fn run(scheme: &'static Scheme, steps: usize) -> Result<(f64, [f64; 2]), Box<dyn Error>> {
     let omega = STIFFNESS.sqrt();
     let mut sim = Simulation::new(&oscillator()?, Options::new(scheme, PERIODS * TAU / omega / steps as f64))?;

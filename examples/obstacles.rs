@@ -1,5 +1,5 @@
 //! Random bodies against random rigid obstacles, judged from positions alone: disks, planes and polylines of a twentieth of a facet to five
-//! facets, standing and moving by up to five facets a step.
+//! facets, at rest or moving by up to five facets a step.
 //!
 //! One line for each case with a fault, then sums. `cargo run --release --example obstacles -- [count] [--first SEED] [--seed SEED]`.
 
@@ -75,7 +75,7 @@ fn main() {
     );
 }
 
-/// The faults of a case, one line each.
+/// Prints the faults of a case, one line each.
 fn tell(case: &Case, verdict: &Verdict) {
     let title = format!("seed {} {} {:?}", case.seed, case.rule.name, case.form);
     if let Some(error) = &verdict.error {

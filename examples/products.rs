@@ -1,8 +1,8 @@
-//! Products of the catalogues: small models that take a row of every catalogue at once, judged from their files.
+//! Products of the catalogues: small models that combine a row of every catalogue, judged from their files.
 //!
 //! `cargo run --release --example products -- [count] [--first SEED] [--threads N]` runs random ones, one line for each with a fault, then
-//! sums. `--cover` runs the covering array and lists what is refused with its codes. `--product "ROWS"` runs one product (as the lines name
-//! it) and prints its script, `--shrink "ROWS"` makes it smaller first.
+//! sums. `--cover` runs the covering array and lists refusals with their codes. `--product "ROWS"` runs one product (in the notation of the
+//! lines) and prints its script, `--shrink "ROWS"` reduces it first.
 
 use std::collections::BTreeMap;
 use std::error::Error;
@@ -120,7 +120,7 @@ fn tell_cover(cover: &Cover) {
     println!("{} pairs, {} refused, {} more without a meaning", cover.meant, cover.excluded.len(), cover.meaningless);
 }
 
-/// Faults and sums.
+/// Prints faults and sums.
 fn tell(arguments: &Arguments, catalogue: &Catalogue, bench: &Bench, study: &Study) -> Result<(), Box<dyn Error>> {
     let mut kinds: BTreeMap<&str, usize> = BTreeMap::new();
     for (product, verdict) in &study.wrong {
@@ -151,7 +151,7 @@ fn tell(arguments: &Arguments, catalogue: &Catalogue, bench: &Bench, study: &Stu
     Ok(())
 }
 
-/// Keeps the script of a product that was made smaller.
+/// Stores the script of a reduced product.
 fn keep(catalogue: &Catalogue, bench: &Bench, product: &Product, verdict: &Verdict) -> Result<(), Box<dyn Error>> {
     let (small, found) = shrink(catalogue, bench, product, verdict);
     let named = Named { catalogue, product: &small };

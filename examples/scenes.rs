@@ -1,11 +1,11 @@
-//! Random scenes by the thousand, judged by oracles that know nothing of the code: does energy grow, does the ledger close, are momenta
-//! kept, how deep do bodies get into each other?
+//! Thousands of random scenes, judged by oracles that are independent of the kernels: growth of energy, closure of the ledger, momenta,
+//! penetrations.
 //!
 //! One line for each run with a fault, then a table for each method and rule. A seed gives the same scene with every method and rule.
 //!
-//! `cargo run --release --example scenes -- [count] [--rule R] [--method M] [--first SEED] [--dt-factor F] [--kind K] [--threads N]`,
-//! with `--reach F` a comparison of every run, to the last byte, with that in which the search for contact reaches `F` times as far;
-//! or for one scene `--seed N` (every step in numbers), `--script N` (as a script), `--shrink N` (smaller, as long as it fails alike).
+//! `cargo run --release --example scenes -- [count] [--rule R] [--method M] [--first SEED] [--dt-factor F] [--kind K] [--threads
+//! N]`; with `--reach F` every run is compared, to the last byte, with one whose contact search horizon is `F` times as large; or for one
+//! scene `--seed N` (every step in numbers), `--script N` (as a script), `--shrink N` (reduced with the same kind of failure).
 
 use std::collections::BTreeMap;
 use std::error::Error;
@@ -67,7 +67,7 @@ struct Arguments {
 }
 
 impl Arguments {
-    /// All pairs of method and rule that are asked for.
+    /// Requested pairs of method and rule.
     fn axes(&self) -> Result<Vec<(&'static ContactMethod, &'static UpdateRule)>, Box<dyn Error>> {
         let methods = METHODS.iter().filter(|method| [method.name, "all"].contains(&self.method.as_str()));
         let rules = || UPDATE_RULES.iter().filter(|rule| [rule.name, "all"].contains(&self.rule.as_str()));
@@ -85,7 +85,7 @@ impl Arguments {
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments = Arguments::parse();
     let axes = arguments.axes()?;
-    // What panics is a finding, with its text.
+    // A panic is a finding with its text.
     std::panic::set_hook(Box::new(|_| ()));
     if let Some(seed) = arguments.script {
         print!("{}", arguments.scene(seed, axes[0]).script());
@@ -144,7 +144,7 @@ fn trace(scene: &Scene) {
     faults(scene, &outcome).iter().for_each(|line| println!("{line}"));
 }
 
-/// The smallest scene that fails in the same way, for each way.
+/// Prints the smallest scene for each kind of failure.
 fn reduce(scene: &Scene) {
     let outcome = run(scene, &mut |_| ());
     for finding in &outcome.findings {
@@ -221,12 +221,12 @@ impl Row {
     }
 }
 
-/// Columns of the table: runs, those in which anything touched, those with each fault, those deeper than one and a half times the
-/// limit; what contact loses in the mean, over the energy; largest values; iterations of an accepted piece, halvings.
+/// Columns of the table: runs, runs with contact, runs with each fault, runs with more than one and a half times the limit of penetration;
+/// mean energy loss of contact over the energy; largest values; iterations of an accepted substep, halvings.
 const HEADER: &str = "method, rule; kind            runs touched failed crushed slow gained rubbed cone defect momentum ledger  deep \
                       >0.15 apart      lost     gain     cone   defect momentum  depth crossing misread  iter. halvings";
 
-/// Seeds and numbers of axes that are asked for, and on how many threads.
+/// Requested seeds and indices of axes, and number of threads.
 fn jobs(arguments: &Arguments, axes: usize) -> (Vec<(u64, usize)>, usize) {
     let wanted = |seed: &u64| {
         let kind = format!("{:?}", Scene::random(*seed).kind);
@@ -237,7 +237,7 @@ fn jobs(arguments: &Arguments, axes: usize) -> (Vec<(u64, usize)>, usize) {
     (jobs, arguments.threads.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from)))
 }
 
-/// Tells which scenes depend on how far the search for contact reaches.
+/// Prints the scenes that depend on the search horizon of contact.
 fn compare(arguments: &Arguments, axes: &[(&'static ContactMethod, &'static UpdateRule)], reach: f64) {
     let (jobs, threads) = jobs(arguments, axes.len());
     let (next, differing) = (AtomicUsize::new(0), AtomicUsize::new(0));
@@ -259,11 +259,11 @@ fn compare(arguments: &Arguments, axes: &[(&'static ContactMethod, &'static Upda
     println!("{} of {} runs differ with {reach} times the reach", differing.into_inner(), jobs.len());
 }
 
-/// All scenes with all methods and rules, on all threads; lines in the order of the seeds.
+/// Runs all scenes with all methods and rules on all threads; lines are in the order of the seeds.
 fn survey(arguments: &Arguments, axes: &[(&'static ContactMethod, &'static UpdateRule)]) {
     let (jobs, threads) = jobs(arguments, axes.len());
     let next = AtomicUsize::new(0);
-    // Outcomes that wait for an earlier one, and how many have been taken in.
+    // Outcomes that wait for an earlier one, and the number of processed outcomes.
     let table = Mutex::new((BTreeMap::new(), 0, axes.iter().map(|_| Row::default()).collect::<Vec<_>>(), BTreeMap::<String, Row>::new()));
     std::thread::scope(|scope| {
         for _ in 0..threads {

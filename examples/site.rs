@@ -1,7 +1,7 @@
-//! Builds the documents as a site with search in `target/site`, by mdBook and without a network, and checks every link in it.
+//! Builds the documents as a searchable site in `target/site`, with mdBook and without a network, and checks every link in it.
 //!
-//! Pages keep their places in the repository, so that links between them stay as they are. Documents to which the listed pages
-//! (`docs/SUMMARY.md`) link become pages, too, scripts and other files are copied.
+//! Pages keep their paths in the repository, so that links between them remain valid. Documents linked from the listed pages
+//! (`docs/SUMMARY.md`) become pages, too; scripts and other files are copied.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::error::Error;
@@ -119,12 +119,12 @@ fn plain(path: &Path) -> PathBuf {
     plain
 }
 
-/// Scripts are colored as the language that is nearest among those which mdBook knows.
+/// Marks scripts as the most similar language that mdBook can color.
 fn colored(text: &str) -> String {
     text.replace("\n```rhai\n", "\n```js\n")
 }
 
-/// Returns a page whose links to folders lead to the page of the folder or are left out; tells `found` the files to which it links.
+/// Returns a page whose links to folders lead to the page of the folder or are removed; `found` is called with the files of other links.
 fn with_links(text: &str, page: &Path, repository: &Path, mut found: impl FnMut(PathBuf)) -> String {
     let folder = page.parent().unwrap_or(Path::new(""));
     let mut result = String::with_capacity(text.len());
@@ -146,7 +146,7 @@ fn with_links(text: &str, page: &Path, repository: &Path, mut found: impl FnMut(
                 result += &format!("]({}/index.md", file.trim_end_matches('/'));
             }
             () if place.is_dir() => {
-                // The name without a link.
+                // Removes the link and keeps its name.
                 let name = result.rfind('[').unwrap_or(result.len());
                 result.replace_range(name..name + 1, "");
                 rest = rest.strip_prefix(')').unwrap_or(rest);
@@ -184,7 +184,7 @@ fn attributes<'a>(text: &'a str, name: &str) -> Vec<&'a str> {
 fn broken_links(site: &Path) -> Outcome<(usize, Vec<String>)> {
     let mut files = Vec::new();
     html_files(site, &mut files)?;
-    // All pages in one, for printing, has the links of each of them.
+    // The page with all pages, for printing, repeats the links of each of them.
     files.retain(|file| !file.ends_with("print.html"));
     let texts: BTreeMap<PathBuf, String> =
         files.into_iter().map(|file| Ok((file.clone(), fs::read_to_string(&file)?))).collect::<Outcome<_>>()?;
@@ -192,7 +192,7 @@ fn broken_links(site: &Path) -> Outcome<(usize, Vec<String>)> {
         texts.iter().map(|(file, text)| (file, attributes(text, "id").into_iter().collect())).collect();
     let (mut count, mut broken) = (0, Vec::new());
     for (file, text) in &texts {
-        // A page that is shown in the place of any missing one has its links from the top.
+        // The page shown for missing addresses has links relative to the top folder.
         if file.ends_with("404.html") {
             continue;
         }

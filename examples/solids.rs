@@ -1,4 +1,4 @@
-//! Random scenes of bodies in space by the hundred, judged by oracles that know nothing of the code (`tests/common/solids.rs`): one line
+//! Hundreds of random scenes of bodies in space, judged by oracles that are independent of the kernels (`tests/common/solids.rs`): one line
 //! for each run with a fault, then a table for each rule.
 //!
 //! `cargo run --release --example solids -- [count] [--first SEED] [--rule R] [--friction MU]`, or `--seed N` for one

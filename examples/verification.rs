@@ -1,4 +1,4 @@
-//! The verification manual: runs the scripts in `tests/verification` and writes `docs/verification.md` with what they compute.
+//! The verification manual: runs the scripts in `tests/verification` and writes `docs/verification.md` with their results.
 //!
 //! ```text
 //! cargo run --release --example verification

@@ -1,5 +1,5 @@
-//! Random impacts of bodies that yield by the hundred, judged by the ledger (`tests/common/yielding.rs`): one line for each run with a
-//! fault or without an end, then a line for each formulation.
+//! Hundreds of random impacts of elastic-plastic bodies, judged by the ledger (`tests/common/yielding.rs`): one line for each run that has
+//! a fault or does not complete, then a line for each formulation.
 //!
 //! `cargo run --release --example yielding -- [count] [--first SEED]`, or `--seed N` for every step of one
 
@@ -50,7 +50,7 @@ fn main() {
         });
         return println!("{outcome:?}");
     }
-    // What panics is a finding, with its seed.
+    // A panic is a finding with its seed.
     std::panic::set_hook(Box::new(|_| ()));
     let (next, found) = (AtomicU64::new(arguments.first), Mutex::new(Vec::<(u64, Outcome)>::new()));
     std::thread::scope(|scope| {

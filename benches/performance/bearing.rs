@@ -1,9 +1,8 @@
-//! Milliseconds per Newton iteration of the bearing by phase, and how each phase grows with the unknowns.
+//! Milliseconds per Newton iteration of the bearing by phase, and growth of each phase with the unknowns.
 //!
-//! A run is deterministic: step k costs the same work in every repetition. So each phase of each step is timed in every repetition and the
-//! least time is kept: what other programs on the machine took from single steps drops out as soon as one repetition of that step was
-//! left alone. What is summed up is `per step the minimum over repetitions`; it needs no quiet machine, only one that is quiet now and
-//! then. The processor time of whole steps is taken likewise.
+//! A run is deterministic: step k costs the same work in every repetition. Each phase of each step is timed in every repetition, and the
+//! minimum over the repetitions is summed over the steps. The influence of other programs on single steps is removed if one repetition of
+//! the step is undisturbed; the machine need not be idle all the time. The processor time of whole steps is measured in the same way.
 
 use std::error::Error;
 use std::time::{Duration, Instant};
@@ -15,11 +14,11 @@ use conserva::mesh::{Change, Mesh, MeshError, ring};
 
 use crate::linear::seconds;
 
-/// Phases as they are printed; the last is what no other counts.
+/// Printed phases; the last one is the remainder.
 const PHASES: [&str; 6] = ["assembly", "contact", "factorization", "solve", "search", "other"];
 
-/// A kind of bearings: by size and number of threads. Gauss points of a cell, and nanoseconds per point below which no variant of the
-/// element loop came on a Zen 4 core.
+/// Kind of bearings, constructed from size and number of threads; Gauss points of a cell, and the lower bound in nanoseconds per point of
+/// all variants of the element loop on a Zen 4 core.
 pub struct Kind {
     name: &'static str,
     make: fn(usize, usize) -> Result<Simulation, Box<dyn Error>>,
@@ -27,10 +26,10 @@ pub struct Kind {
     floor: Option<f64>,
 }
 
-/// In the plane, its size multiplies all cell counts.
+/// Plane bearing; the size multiplies all cell counts.
 pub const IN_PLANE: Kind = Kind { name: "bearing", make: in_plane, points: 4, floor: Some(32.0) };
 
-/// Drawn out along its axis, its size is the number of layers.
+/// Bearing extruded along its axis; the size is the number of layers.
 pub const IN_SPACE: Kind = Kind { name: "bearing in space", make: in_space, points: 8, floor: None };
 
 fn in_plane(refine: usize, threads: usize) -> Result<Simulation, Box<dyn Error>> {
@@ -42,7 +41,7 @@ fn in_plane(refine: usize, threads: usize) -> Result<Simulation, Box<dyn Error>>
     model.fix(model.boundary(outer, "outer")?, [true; 3]);
     model.add_contact("race", model.boundary(inner, "outer")?, model.boundary(outer, "inner")?);
     model.load(model.boundary(inner, "inner")?, LoadKind::Torque([0.0, 0.0, 1.0]), Hat { start: 0.0, end: 0.5, peak: 0.1 });
-    // At every size a step slides by the same part of a facet.
+    // At every size a step slides by the same fraction of a facet.
     let options = Options { threads, ..Options::new(&ENERGY_MOMENTUM, 0.005 / refine as f64) };
     let mut sim = Simulation::new(&model, options)?;
     sim.settle()?;
@@ -81,14 +80,14 @@ struct Timing {
     processor: f64,
 }
 
-/// Least time of each phase of each step over all repetitions, summed.
+/// Minimum time of each phase of each step over all repetitions, summed.
 fn measure(kind: &Kind, size: usize, steps: usize, repetitions: usize, threads: usize) -> Result<Timing, Box<dyn Error>> {
     let mut least = vec![[f64::INFINITY; 7]; steps];
     let start = Instant::now();
     let (mut unknowns, mut iterations, mut cells) = (0, 0, 0);
     for _ in 0..repetitions {
         let mut sim = (kind.make)(size, threads)?;
-        // Spun up already: the pattern has been made anew and the set has moved on before the clock starts.
+        // After the start-up: the pattern has been rebuilt and the active set has changed before timing begins.
         for _ in 0..5 {
             sim.step(None, &mut |_| ())?;
         }
@@ -118,7 +117,7 @@ fn measure(kind: &Kind, size: usize, steps: usize, repetitions: usize, threads: 
     Ok(Timing { unknowns, steps, iterations, cells, seconds: std::array::from_fn(sum), processor: sum(6) })
 }
 
-/// Prints the phases at each size; `others` are the milliseconds of faer's LU on a system of each size.
+/// Prints the phases for each size; `others` are the milliseconds of faer's LU for a system of each size.
 pub fn phases_of_an_iteration(
     kind: &Kind,
     sizes: &[usize],
@@ -141,7 +140,8 @@ pub fn phases_of_an_iteration(
         let timing = measure(kind, refine, steps, repetitions, threads)?;
         let per_iteration = timing.seconds.map(|seconds| 1e3 * seconds / timing.iterations as f64);
         let sum: f64 = per_iteration.iter().sum();
-        // What one thread used tells more than the clock where other programs run; of several threads only the clock tells.
+        // For one thread the processor time is less affected by other programs than the wall-clock time; for several threads only the
+        // latter is available.
         let used = if threads == 1 { 1e3 * timing.processor / timing.iterations as f64 } else { sum };
         let points = (timing.cells * kind.points) as f64;
         println!(

@@ -1,4 +1,4 @@
-//! Answers of the language server for a script of 500 lines, as an editor waits for them.
+//! Response times of the language server for a script of 500 lines.
 
 use std::error::Error;
 use std::path::Path;
@@ -12,7 +12,7 @@ use client::{Editor, long_script};
 /// Request to the language server; the arguments are the client, the script, and the number of the repetition.
 type Ask = Box<dyn FnMut(&mut Editor, &Path, usize)>;
 
-/// Median and largest of some times `[ms]`.
+/// Median and maximum of times `[ms]`.
 fn spread(mut times: Vec<f64>) -> (f64, f64) {
     times.sort_by(f64::total_cmp);
     (times[times.len() / 2], times[times.len() - 1])

@@ -1,6 +1,7 @@
-//! The linear solver beside faer's sparse LU, on systems like those of the bearing: two rings of quadrilaterals tied by multipliers.
+//! The linear solver compared with faer's sparse LU, for systems like those of the bearing: two rings of quadrilaterals tied by
+//! multipliers.
 //!
-//! Milliseconds of processor time of one thread, the least of several repetitions, both solvers in one run: ratios hold on a loaded
+//! Milliseconds of processor time of one thread, the minimum of several repetitions, both solvers in one run: ratios are valid on a loaded
 //! machine.
 
 use std::time::Instant;
@@ -14,16 +15,16 @@ use faer::{Conj, MatMut, Par};
 
 use crate::fixtures::{System, saddle_point};
 
-/// Seconds: processor time of this thread where the system tells it, else time of the clock.
+/// Processor time of this thread if the system reports it, otherwise wall-clock time `[s]`.
 pub fn seconds(start: Instant) -> f64 {
-    // The count is brought up to date when the thread gives way.
+    // The count is updated when the thread yields.
     std::thread::yield_now();
     let of_thread = std::fs::read_to_string("/proc/thread-self/schedstat").ok();
     let nanoseconds = of_thread.and_then(|text| text.split(' ').next()?.parse::<f64>().ok());
     nanoseconds.map_or_else(|| start.elapsed().as_secs_f64(), |x| 1e-9 * x)
 }
 
-/// The least milliseconds of some repetitions.
+/// Minimum time of some repetitions `[ms]`.
 pub fn least(repetitions: usize, mut run: impl FnMut()) -> f64 {
     let start = Instant::now();
     let times = (0..repetitions).map(|_| {
@@ -34,7 +35,7 @@ pub fn least(repetitions: usize, mut run: impl FnMut()) -> f64 {
     1e3 * times.fold(f64::INFINITY, f64::min)
 }
 
-/// Pattern and values of the rings; the outer one is turned by `slide` of its elements.
+/// Pattern and values of the rings; the outer one is rotated by `slide` of its elements.
 fn rings(refine: usize, slide: usize) -> System {
     let (outer, inner, layers) = (48 * refine, 40 * refine, 10 * refine);
     let mut cells: Vec<Vec<u32>> = Vec::new();
@@ -50,7 +51,7 @@ fn rings(refine: usize, slide: usize) -> System {
     let surface = (layers + 1) * outer + layers * inner;
     let constraints: Vec<Vec<(u32, f64)>> = (0..inner)
         .map(|m| {
-            // The anchor, the node itself, comes first.
+            // The node itself comes first.
             let own = [(0, 2.0 / 3.0), (inner - 1, 1.0 / 6.0), (1, 1.0 / 6.0)].map(|(d, w)| ((surface + (m + d) % inner) as u32, w));
             let opposite = m * outer / inner + slide;
             let other = [(outer - 1, -0.1), (0, -0.4), (1, -0.4), (2, -0.1)].map(|(d, w)| (((opposite + d) % outer) as u32, w));
@@ -80,7 +81,7 @@ pub fn residual(pattern: &Pattern, values: &[f64], x: &[f64], right: &[f64]) -> 
 fn ours(refine: usize, right: &[f64], repetitions: usize) -> Row {
     let System { pattern, values, nodes } = rings(refine, 0);
     let mut factorization = Factorization::new(&pattern).expect("it fits into memory");
-    // The first matrix also finds the order and the structure.
+    // The first matrix also determines the order and the structure.
     let first = least(1, || factorization.factorize(&values).expect("values are finite"));
     let factor = least(repetitions, || factorization.factorize(&values).expect("values are finite"));
     let (order, account) = (factorization.order().clone(), factorization.account());

@@ -1,10 +1,10 @@
-//! How fast Conserva is, as ratios in one run: `cargo bench --bench performance [-- SIZE ...] [--threads N] [--repetitions N]
-//! [--materials | --in-space | --editor | --solids [--write FOLDER]]`; with the last four only what laws cost, the bearing drawn out along
-//! its axis, answers of the language server, or the linear solver on cubes and plates (sizes: cells along the first edge), whose matrices
-//! can be written for other solvers.
+//! Speed of Conserva as ratios in one run: `cargo bench --bench performance [-- SIZE ...] [--threads N] [--repetitions N] [--materials |
+//! --in-space | --editor | --solids [--write FOLDER]]`. The last four select the cost of laws, the bearing extruded along its axis, the
+//! response times of the language server, or the linear solver on cubes and plates (sizes: cells along the first edge), whose matrices can
+//! be written for other solvers.
 //!
-//! Sizes multiply all cell counts of the bearing (1 2 4 8 without arguments; a few minutes). `docs/performance.md` says what the numbers
-//! were and on which machine. Not measured here: counts of work, which `tests/cost.rs` holds against a record.
+//! Sizes multiply all cell counts of the bearing (1 2 4 8 without arguments; a few minutes). `docs/performance.md` has the figures and the
+//! machine. Counts of work are not measured here; `tests/cost.rs` compares them with a record.
 
 mod bearing;
 mod editor;
@@ -18,7 +18,7 @@ mod startup;
 use std::error::Error;
 use std::path::PathBuf;
 
-// For `fixtures`, which the tests of the linear solver share.
+// For `fixtures`, which is shared with the tests of the linear solver.
 use conserva::linear::{Pattern, Vertex};
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -53,7 +53,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     if only_in_space {
         let layers = if sizes.is_empty() { vec![4] } else { sizes };
-        // That in the plane, to compare with in the same minute.
+        // The plane bearing, for comparison in the same minute.
         bearing::phases_of_an_iteration(&bearing::IN_PLANE, &[2], &[], repetitions, 1)?;
         for threads in 1..=threads {
             bearing::phases_of_an_iteration(&bearing::IN_SPACE, &layers, &[], repetitions, threads)?;

@@ -1,4 +1,4 @@
-//! What a law costs per point, by hand and as text, alone and within the assembly of a body; and what cells of every kind cost there.
+//! Cost of a law per point, by hand and as text, alone and within the assembly of a body; and cost of cells of every kind in the assembly.
 
 use std::error::Error;
 use std::hint::black_box;
@@ -15,7 +15,7 @@ use conserva::mesh::{Mesh, block, rectangle};
 const POINTS: usize = 4;
 const ROUNDS: usize = 2000;
 
-/// Least nanoseconds per point of some repetitions.
+/// Minimum time per point of some repetitions `[ns]`.
 fn per_point(repetitions: usize, mut call: impl FnMut()) -> f64 {
     let mut least = f64::INFINITY;
     for _ in 0..5 * repetitions {
@@ -38,7 +38,7 @@ fn law(material: &Material, repetitions: usize) -> [f64; 2] {
     [response, increment]
 }
 
-/// Least nanoseconds per point that a step spends in the assembly of a block that vibrates.
+/// Minimum time per point of the assembly in a step of a vibrating block `[ns]`.
 fn assembly(mesh: &Mesh, formulation: Formulation, material: &Material, repetitions: usize) -> Result<f64, Box<dyn Error>> {
     let (mut least, points) = (f64::INFINITY, (mesh.blocks[0].kind.row().quadrature)().len());
     for _ in 0..repetitions {
@@ -59,7 +59,7 @@ fn assembly(mesh: &Mesh, formulation: Formulation, material: &Material, repetiti
     Ok(least)
 }
 
-/// Prints what laws cost.
+/// Prints the cost of laws.
 pub fn costs(repetitions: usize) -> Result<(), Box<dyn Error>> {
     let (lambda, mu) = (1.5, 1.0);
     let (youngs_modulus, poisson_ratio) = (mu * (3.0 * lambda + 2.0 * mu) / (lambda + mu), lambda / (2.0 * (lambda + mu)));
@@ -81,7 +81,7 @@ pub fn costs(repetitions: usize) -> Result<(), Box<dyn Error>> {
     cells(&mesh, &hand, repetitions)
 }
 
-/// Prints what cells cost, and those of four nodes in each formulation.
+/// Prints the cost of cells, and of those with four nodes in each formulation.
 fn cells(mesh: &Mesh, material: &Material, repetitions: usize) -> Result<(), Box<dyn Error>> {
     let usual = Formulation::default();
     println!("assembly of cells, ns per point");

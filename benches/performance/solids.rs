@@ -1,8 +1,8 @@
-//! The linear solver on matrices in space: cubes and plates of hexahedra with three unknowns a node, whose fronts are large, and single
-//! large fronts beside faer's matrix product.
+//! The linear solver on matrices in space: cubes and plates of hexahedra with three unknowns per node, whose fronts are large, and single
+//! large fronts compared with faer's matrix product.
 //!
-//! Milliseconds of processor time of one thread, the least of several repetitions. Matrices can be written, so that any other solver can
-//! be timed on the same bytes.
+//! Milliseconds of processor time of one thread, the minimum of several repetitions. Matrices can be written, so that other solvers can be
+//! timed on the same bytes.
 
 use std::error::Error;
 use std::fs::File;
@@ -22,7 +22,7 @@ const SOLIDS: [[usize; 3]; 6] = [[11; 3], [16; 3], [25; 3], [31; 3], [30, 30, 4]
 /// Sides of single fronts.
 const FRONTS: [usize; 4] = [900, 1500, 3000, 4500];
 
-/// Unknowns from which on three repetitions are enough.
+/// Number of unknowns above which three repetitions suffice.
 const LARGE: usize = 20_000;
 
 /// Pattern and values of a block of hexahedra.
@@ -37,7 +37,7 @@ fn solid([a, b, c]: [usize; 3]) -> System {
     saddle_point::<3>((a + 1) * (b + 1) * (c + 1), &cells, &[], 0.01)
 }
 
-/// A matrix whose factors are three dense fronts of `side` unknowns: two of half as many pivots, and what both are coupled with.
+/// Matrix whose factors are three dense fronts of `side` unknowns: two with half as many pivots, and their common border.
 fn fronts(side: usize) -> System {
     let part = side as u32 / 6;
     let shared = 2 * part..3 * part;
@@ -45,14 +45,14 @@ fn fronts(side: usize) -> System {
     saddle_point::<3>(3 * part as usize, &cells, &[], 0.01)
 }
 
-/// Writes a matrix in compressed columns as three arrays that NumPy loads: `NAME.starts.npy`, `NAME.rows.npy`, `NAME.values.npy`.
+/// Writes a matrix in compressed columns as three arrays for NumPy: `NAME.starts.npy`, `NAME.rows.npy`, `NAME.values.npy`.
 fn write(folder: &Path, name: &str, System { pattern, values, .. }: &System) -> Result<(), Box<dyn Error>> {
     std::fs::create_dir_all(folder)?;
     let (starts, rows, places) = pattern.compressed_columns();
     let array = |part: &str, kind: &str, count: usize, bytes: &mut dyn Iterator<Item = [u8; 8]>| -> std::io::Result<()> {
         let mut file = BufWriter::new(File::create(folder.join(format!("{name}.{part}.npy")))?);
         let header = format!("{{'descr': '<{kind}8', 'fortran_order': False, 'shape': ({count},)}}");
-        // Magic bytes, version and length of the header: 128 bytes with the line's end.
+        // Magic bytes, version and length of the header: 128 bytes including the line end.
         file.write_all(b"\x93NUMPY\x01\x00\x76\x00")?;
         writeln!(file, "{header:<117}")?;
         for bytes in bytes {
@@ -66,11 +66,11 @@ fn write(folder: &Path, name: &str, System { pattern, values, .. }: &System) -> 
     Ok(())
 }
 
-/// Prints what a factorization and a solution take.
+/// Prints the times of a factorization and a solution.
 fn time(name: &str, System { pattern, values, .. }: &System, repetitions: usize) -> Result<(), Box<dyn Error>> {
     let mut factorization = Factorization::new(pattern)?;
     let mut done = Ok(());
-    // The first matrix also finds the order and the structure.
+    // The first matrix also determines the order and the structure.
     let first = least(1, || done = factorization.factorize(values));
     let factor = least(repetitions, || done = factorization.factorize(values));
     done?;
@@ -98,7 +98,7 @@ fn time(name: &str, System { pattern, values, .. }: &System, repetitions: usize)
     Ok(())
 }
 
-/// Prints how fast faer multiplies square matrices of half a front's side.
+/// Prints the speed of faer's product of square matrices with half the size of a front.
 fn product(side: usize, repetitions: usize) {
     let n = side / 2;
     let (a, b) = (Mat::from_fn(n, n, |i, j| (i + 2 * j) as f64), Mat::from_fn(n, n, |i, j| (i as f64) - j as f64));

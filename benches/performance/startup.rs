@@ -1,5 +1,5 @@
-//! Time of whole processes: the prompt's first sign of life, a ten-line script, the bearing up to its first step; and the bearing's peak
-//! memory, where the system tells it.
+//! Time of whole processes: start of the prompt, a ten-line script, the bearing up to its first step; and the bearing's peak memory, if the
+//! system reports it.
 
 use std::error::Error;
 use std::path::Path;
@@ -18,7 +18,7 @@ expect_conserved(sim, "energy", #{ tolerance: 1e-10 });
 expect_conserved(sim, "momentum", #{ tolerance: 1e-10 });
 "#;
 
-/// The least milliseconds of some repetitions of a process, which must succeed.
+/// Minimum time of some repetitions of a process, which must succeed `[ms]`.
 fn least(program: &mut Command, repetitions: usize) -> Result<f64, Box<dyn Error>> {
     let mut least = f64::INFINITY;
     for _ in 0..repetitions {

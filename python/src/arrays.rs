@@ -1,8 +1,8 @@
 //! NumPy arrays over memory of Conserva, without a copy.
 //!
-//! NumPy takes the address of numbers from an object with the attribute `__array_interface__`, and keeps that object, which holds the owner
-//! of the memory in a capsule. So the memory lives as long as the last view of the array, on whatever thread it ends. Rust itself reads and
-//! writes nothing through the address: the owner of a writable array is in the capsule alone, other arrays are read-only.
+//! NumPy takes the address of the numbers from an object with the attribute `__array_interface__` and keeps this object, which holds the
+//! owner of the memory in a capsule. The memory therefore lives as long as the last view of the array, on any thread. Rust does not access
+//! the memory through the address: a writable array is owned by the capsule alone, other arrays are read-only.
 
 use std::sync::Arc;
 
@@ -13,7 +13,7 @@ use pyo3::types::{PyCapsule, PyDict};
 static ASARRAY: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
 static NAMESPACE: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
 
-/// A number with a type in NumPy.
+/// Number type with a NumPy equivalent.
 pub trait Element: Send + Sync + 'static {
     /// Kind and size in NumPy's array interface.
     const CODE: &'static str;
@@ -31,7 +31,7 @@ impl Element for u32 {
     const CODE: &'static str = "u4";
 }
 
-/// A writable array that owns the numbers, with so many rows where it has two dimensions.
+/// Writable array that owns the numbers, two-dimensional with `rows` rows if given.
 ///
 /// # Errors
 /// NumPy cannot be imported.
@@ -40,7 +40,7 @@ pub fn array<T: Element>(py: Python<'_>, mut values: Vec<T>, rows: Option<usize>
     over::<T>(py, PyCapsule::new_with_value(py, values, c"conserva.numbers")?, (address, count), rows, false)
 }
 
-/// A read-only array over numbers of a shared value that never changes, with so many rows.
+/// Read-only array over numbers of an immutable shared value, with a number of rows.
 ///
 /// # Errors
 /// NumPy cannot be imported.

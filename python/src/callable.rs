@@ -14,7 +14,7 @@ use crate::convert::{to_engine, to_python};
 use crate::raise::{is_of, script_error};
 use crate::state;
 
-/// Number of the next callable, which is a part of its name: the engine may take functions of one name for one function.
+/// Number of the next callable, part of its name: the engine may take functions of one name for one function.
 static NEXT: AtomicU64 = AtomicU64::new(1);
 
 /// The function pointer of a callable.
@@ -39,7 +39,7 @@ fn call(py: Python, callable: &Bound<'_, PyAny>, values: &mut [&mut Dynamic]) ->
     result().map_err(|error| {
         let title =
             format!("the callable raised {}", error.value(py).repr().map_or_else(|_| "an exception".into(), |text| text.to_string()));
-        // Conserva itself has ended the computation of a call within.
+        // The computation of a nested call was ended by Conserva.
         if is_of(py, &error, "Interrupted") {
             return Calls::interrupted();
         }

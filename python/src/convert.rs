@@ -13,14 +13,14 @@ use crate::callable::function_of;
 use crate::raise::script_error;
 use crate::state::{self, Live};
 
-/// Depth to which lists and dictionaries may be nested.
+/// Largest depth of nested lists and dictionaries.
 const DEEPEST: usize = 64;
 
-/// The class of all objects, and the classes of the types of the language by their names.
+/// Class of all objects, and classes of the types of the language by name.
 static OBJECT: PyOnceLock<Py<PyType>> = PyOnceLock::new();
 static CLASSES: PyOnceLock<Py<PyDict>> = PyOnceLock::new();
 
-/// Sets the classes that values of the language become.
+/// Sets the classes of values of the language; a second call has no effect.
 ///
 /// # Errors
 /// They are set already.
@@ -31,7 +31,7 @@ pub fn set_classes(object: Bound<'_, PyType>, classes: Bound<'_, PyDict>) {
     let _ = CLASSES.set(py, classes.unbind());
 }
 
-/// The number of an object of the language; `None` for any other value.
+/// Number of an object of the language; `None` for any other value.
 pub fn number_of(value: &Bound<'_, PyAny>) -> PyResult<Option<u64>> {
     let py = value.py();
     let Some(object) = OBJECT.get(py) else { return Ok(None) };
@@ -41,7 +41,7 @@ pub fn number_of(value: &Bound<'_, PyAny>) -> PyResult<Option<u64>> {
     value.getattr(pyo3::intern!(py, "_number"))?.extract().map(Some)
 }
 
-/// A value of Python for the engine.
+/// Converts a value of Python for the engine.
 ///
 /// # Errors
 /// The language has no such value.
@@ -122,7 +122,7 @@ fn map_of(entries: &Bound<'_, PyDict>, depth: usize) -> PyResult<Dynamic> {
     Ok(Dynamic::from_map(map))
 }
 
-/// A value of the engine for Python.
+/// Converts a value of the engine for Python.
 ///
 /// # Errors
 /// Python has no memory left, or NumPy cannot be imported.
@@ -154,7 +154,7 @@ pub fn to_python<'py>(py: Python<'py>, live: &Rc<Live>, value: Dynamic) -> PyRes
         for (key, value) in map.iter() {
             entries.set_item(key.as_str(), to_python(py, live, value.clone())?)?;
         }
-        // Maps of results have a class of their own, which is made of a dictionary.
+        // Maps of results have a class of their own, constructed from a dictionary.
         return match class_of(py, "Map")? {
             Some(class) => class.call1((entries,)),
             None => Ok(entries.into_any()),

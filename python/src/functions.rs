@@ -62,12 +62,12 @@ fn add_function(module: &Bound<'_, PyModule>, name: &'static CStr, body: Body) -
     module.add(name.to_string_lossy().as_ref(), function)
 }
 
-/// `call(function, values)`: calls a function by its place in the registry.
+/// `call(function, values)`: calls a function by its index in the registry.
 fn call<'py>(arguments: &Bound<'py, PyTuple>) -> PyResult<Bound<'py, PyAny>> {
     function(arguments, Work::Function)
 }
 
-/// `file(function, values)`: the bytes of the file that a function would write.
+/// `file(function, values)`: returns the bytes of the file that a function would write.
 fn file<'py>(arguments: &Bound<'py, PyTuple>) -> PyResult<Bound<'py, PyAny>> {
     function(arguments, Work::File)
 }
@@ -78,7 +78,7 @@ fn function<'py>(arguments: &Bound<'py, PyTuple>, work: impl FnOnce(usize, Vec<D
     let values = arguments.get_item(1)?;
     let values = values.cast::<PyTuple>()?;
     let mut converted = Vec::with_capacity(values.len());
-    // The object of a method decides the session.
+    // The object of a method determines the session.
     let live = match values.get_item(0).ok().map(|first| number_of(&first)).transpose()?.flatten() {
         Some(number) => {
             let (live, value) = state::with(|state| state.value(py, number))?;
@@ -93,12 +93,12 @@ fn function<'py>(arguments: &Bound<'py, PyTuple>, work: impl FnOnce(usize, Vec<D
     for value in values.iter().skip(converted.len()) {
         converted.push(to_engine(&value)?);
     }
-    // A property returns at once, so that giving the lock away would cost more than it gives others.
+    // Releasing the lock for a property would cost more than it gains.
     let is_quick = matches!(description.form, Form::Property(_));
     run_call(py, &live, work(function, converted), is_quick)
 }
 
-/// `text(text, variables)`: runs a text of the script language; its variables afterwards, and its value under an empty name.
+/// `text(text, variables)`: runs a text of the script language; returns its variables, and its value under an empty name.
 fn text<'py>(arguments: &Bound<'py, PyTuple>) -> PyResult<Bound<'py, PyAny>> {
     let py = arguments.py();
     let (text, given): (String, Bound<PyDict>) = arguments.extract()?;
@@ -125,7 +125,7 @@ fn run_call<'py>(py: Python<'py>, live: &Rc<Live>, work: Work, is_quick: bool) -
         (pending.and_then(|pending| pending.outcome), state.raised.take())
     });
     match (outcome, raised) {
-        // A handler of a signal raised after the last step: its exception is not lost.
+        // The exception of a signal handler raised after the last step is not lost.
         (Some(Ok(_)), Some(error)) if !error.is_instance_of::<pyo3::exceptions::PyException>(py) => Err(error),
         (Some(Ok(Outcome::Value(value))), _) => to_python(py, live, value),
         (Some(Ok(Outcome::File(bytes))), _) => Ok(bytes.map(|bytes| PyBytes::new(py, &bytes)).into_pyobject(py)?.into_any()),
@@ -134,7 +134,7 @@ fn run_call<'py>(py: Python<'py>, live: &Rc<Live>, work: Work, is_quick: bool) -
     }
 }
 
-/// Runs the call that is pending on this thread.
+/// Runs the pending call of this thread.
 fn compute() {
     let taken = state::with(|state| state.pending.borrow_mut().last_mut().map(|pending| (pending.live.clone(), pending.work.take())));
     let Some((live, Some(work))) = taken else { return };
@@ -146,7 +146,7 @@ fn compute() {
     });
 }
 
-/// The exception of a call: that of a signal itself, else that of the message, caused by what a callable raised.
+/// Exception of a call: that of a signal handler, otherwise that of the message, with the exception of a callable as its cause.
 fn failed(py: Python, error: &conserva::script::Diagnostic, raised: Option<PyErr>) -> PyErr {
     let is_interrupt = error.class == conserva::script::Class::Interrupted;
     if is_interrupt && let Err(signal) = py.check_signals() {
@@ -154,7 +154,7 @@ fn failed(py: Python, error: &conserva::script::Diagnostic, raised: Option<PyErr
     }
     match raised {
         Some(raised) if is_interrupt || !raised.is_instance_of::<pyo3::exceptions::PyException>(py) => raised,
-        // A message of a call within a callable says more than that the callable raised.
+        // The message of a nested call within a callable is more specific than the fact that the callable raised.
         Some(raised) if is_of(py, &raised, "ConservaError") && error.title.starts_with("the callable raised") => raised,
         Some(raised) if error.title.starts_with("the callable raised") => {
             let cause = format!("a function that was passed to Conserva raised {raised}");
@@ -185,21 +185,21 @@ fn register<'py>(arguments: &Bound<'py, PyTuple>) -> PyResult<Bound<'py, PyAny>>
     Ok(arguments.py().None().into_bound(arguments.py()))
 }
 
-/// `release(number)`: lets go of the value of an object.
+/// `release(number)`: drops the value of an object.
 fn release<'py>(arguments: &Bound<'py, PyTuple>) -> PyResult<Bound<'py, PyAny>> {
     let number: u64 = arguments.get_item(0)?.extract()?;
     state::with(|state| state.release(number));
     Ok(arguments.py().None().into_bound(arguments.py()))
 }
 
-/// `printed(object)`: what `print` shows.
+/// `printed(object)`: returns the text of `print`.
 fn printed<'py>(arguments: &Bound<'py, PyTuple>) -> PyResult<Bound<'py, PyAny>> {
     let py = arguments.py();
     let (live, value) = state::with(|state| state.value(py, arguments.get_item(0)?.extract()?))?;
     Ok(live.calls.printed(&value).into_pyobject(py)?.into_any())
 }
 
-/// `shown(object)`: what the prompt shows.
+/// `shown(object)`: returns the text at the prompt.
 fn shown<'py>(arguments: &Bound<'py, PyTuple>) -> PyResult<Bound<'py, PyAny>> {
     let py = arguments.py();
     let (live, value) = state::with(|state| state.value(py, arguments.get_item(0)?.extract()?))?;
@@ -224,7 +224,7 @@ fn state_object<'py>(arguments: &Bound<'py, PyTuple>) -> PyResult<Bound<'py, PyA
     to_python(py, &live, object)
 }
 
-/// `enter(options)`: opens a session; its number and that of the one before.
+/// `enter(options)`: opens a session; returns its number and that of the previous session.
 fn enter<'py>(arguments: &Bound<'py, PyTuple>) -> PyResult<Bound<'py, PyAny>> {
     let py = arguments.py();
     let options = arguments.get_item(0)?;
@@ -232,7 +232,7 @@ fn enter<'py>(arguments: &Bound<'py, PyTuple>) -> PyResult<Bound<'py, PyAny>> {
     Ok(numbers.into_pyobject(py)?.into_any())
 }
 
-/// `leave(number, before)`: ends a session; its report.
+/// `leave(number, before)`: ends a session; returns its report.
 fn leave<'py>(arguments: &Bound<'py, PyTuple>) -> PyResult<Bound<'py, PyAny>> {
     let py = arguments.py();
     let (number, before): (u64, u64) = arguments.extract()?;
@@ -247,7 +247,7 @@ fn run_script<'py>(arguments: &Bound<'py, PyTuple>) -> PyResult<Bound<'py, PyAny
     Ok(run(arguments.py(), path, output, overrides, threads)?.into_any())
 }
 
-/// `command(program, arguments)`: the command line; its exit code.
+/// `command(program, arguments)`: runs the command line; returns its exit code.
 fn command<'py>(arguments: &Bound<'py, PyTuple>) -> PyResult<Bound<'py, PyAny>> {
     let py = arguments.py();
     let (program, words): (PathBuf, Vec<std::ffi::OsString>) = arguments.extract()?;
@@ -255,7 +255,7 @@ fn command<'py>(arguments: &Bound<'py, PyTuple>) -> PyResult<Bound<'py, PyAny>> 
     Ok(code.into_pyobject(py)?.into_any())
 }
 
-/// `shutdown()`: ends all computations before the interpreter does, and frees what this thread has.
+/// `shutdown()`: ends all computations before the end of the interpreter, and frees the values of this thread.
 fn shutdown<'py>(arguments: &Bound<'py, PyTuple>) -> PyResult<Bound<'py, PyAny>> {
     let py = arguments.py();
     py.detach(|| state::interrupt_all(LONGEST_END));

@@ -1,8 +1,8 @@
-//! Conserva as a module of Python: sessions of the script engine, one or more for each thread, behind functions of plain arguments.
+//! Conserva as a Python module: sessions of the script engine, one or more per thread, behind functions with plain arguments.
 //!
-//! The package `conserva` beside this crate makes classes, functions and documentation of them, from the registry of the language. PyO3 is
-//! used without its macros: they would turn on features of `syn` that the program does not have, so that every crate that is derived with
-//! `syn`, and with it the whole program, would be compiled a second time.
+//! The package `conserva` beside this crate makes classes, functions and documentation from the registry of the language. PyO3 is used
+//! without its macros: they would enable features of `syn` that the program does not need, so that all crates with derives, and with them
+//! the whole program, would be compiled a second time.
 
 #![deny(missing_docs)]
 #![deny(unsafe_code)]

@@ -1,4 +1,4 @@
-//! Meshes as arrays, and arrays as meshes.
+//! Conversion of meshes to arrays and back.
 
 use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;
@@ -14,7 +14,7 @@ use crate::convert::to_python;
 use crate::raise::{diagnostic_error, script_error};
 use crate::state::{self, Live};
 
-/// Names with numbers as bytes.
+/// Names with numbers, as bytes.
 type Named = Vec<(String, Vec<u8>)>;
 
 /// The mesh of an object.
@@ -73,9 +73,9 @@ pub fn mesh<'py>(arguments: &Bound<'py, PyTuple>) -> PyResult<Bound<'py, PyAny>>
     Ok(entries.into_any())
 }
 
-/// `make_mesh(points, blocks, parts, boundaries, facet_sets, node_sets)`: a mesh of arrays as bytes. A block is a kind with the node numbers
-/// of its cells. Boundaries are pairs of cells and sides with single nodes; a facet set has the corners of facets, as many for each as it
-/// says, a node set the nodes of a boundary.
+/// `make_mesh(points, blocks, parts, boundaries, facet_sets, node_sets)`: makes a mesh from arrays given as bytes. A block has a kind and
+/// the node numbers of its cells. Boundaries consist of pairs of cells and sides, and of single nodes; a facet set has the corners of
+/// facets with a number of corners per facet, a node set the nodes of a boundary.
 pub fn make_mesh<'py>(arguments: &Bound<'py, PyTuple>) -> PyResult<Bound<'py, PyAny>> {
     type Given = (Vec<u8>, Named, Named, Vec<(String, Vec<u8>, Vec<u8>)>, Vec<(String, usize, Vec<u8>)>, Named);
     let py = arguments.py();
@@ -101,7 +101,7 @@ pub fn make_mesh<'py>(arguments: &Bound<'py, PyTuple>) -> PyResult<Bound<'py, Py
         }
         for (name, nodes) in node_sets {
             let boundary = boundary_of_nodes(&sides, name, numbers(&nodes).into_iter().collect());
-            // A facet set of the same name is a part of the boundary.
+            // A facet set extends the boundary of the same name.
             match mesh.boundaries.iter_mut().find(|known| known.name == boundary.name) {
                 Some(known) => *known = Boundary { name: boundary.name.clone(), ..Boundary::union(&[known.clone(), boundary]) },
                 None => mesh.boundaries.push(boundary),
@@ -145,7 +145,7 @@ fn sides_by_corners(mesh: &Mesh) -> HashMap<Vec<u32>, Facet> {
     mesh.hull().into_iter().map(|facet| (corners(facet), facet)).collect()
 }
 
-/// Facets with these corners; the corners of a facet that is not there as the error.
+/// Facets with these corners; the error has the corners of a missing facet.
 fn facets_of(sides: &HashMap<Vec<u32>, Facet>, corners: &[u32], count: usize) -> Result<Vec<Facet>, Vec<u32>> {
     let facet = |corners: &[u32]| {
         let mut key = corners.to_vec();
@@ -155,7 +155,7 @@ fn facets_of(sides: &HashMap<Vec<u32>, Facet>, corners: &[u32], count: usize) ->
     corners.chunks_exact(count.max(1)).map(facet).collect()
 }
 
-/// The boundary of the facets all of whose corners are in a set, and of the nodes of the set that are on none of these facets.
+/// Boundary of the facets with all corners in a set, and of the remaining nodes of the set.
 fn boundary_of_nodes(sides: &HashMap<Vec<u32>, Facet>, name: String, nodes: BTreeSet<u32>) -> Boundary {
     let within = || sides.iter().filter(|(corners, _)| corners.iter().all(|corner| nodes.contains(corner)));
     let mut facets: Vec<Facet> = within().map(|(_, facet)| *facet).collect();

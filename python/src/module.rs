@@ -1,4 +1,4 @@
-//! The entry point of the extension module, which Python finds by its name.
+//! Entry point of the extension module, which Python finds by its name.
 
 use std::ffi::c_int;
 use std::ptr;
@@ -47,5 +47,5 @@ pub extern "C" fn PyInit__core() -> *mut ffi::PyObject {
     }
 }
 
-/// Version of the layout of modules that this file is written for.
+/// Version of the module layout for which this file is written.
 const _: c_int = ffi::PYTHON_API_VERSION;

@@ -1,4 +1,5 @@
-//! Observer of a session for Python: printed lines, warnings, checks and progress go to `conserva._told`, signals end the computation.
+//! Observer of a session for Python: printed lines, warnings, checks and progress are passed to `conserva._told`; signals end the
+//! computation.
 
 use std::cell::Cell;
 use std::sync::Arc;
@@ -12,22 +13,22 @@ use pyo3::types::PyTuple;
 use crate::raise::parts;
 use crate::state;
 
-/// Time between two looks at Python's signals.
+/// Period at which signals of Python are checked.
 const BETWEEN_LOOKS: Duration = Duration::from_millis(100);
 
-/// Tells Python.
+/// Observer that calls Python functions.
 pub struct PythonObserver {
     interrupt: Arc<AtomicBool>,
     looked: Cell<Instant>,
 }
 
 impl PythonObserver {
-    /// An observer that sets this flag when Python has a signal whose handler raises.
+    /// Observer that sets this flag if the handler of a signal raises an exception.
     pub fn new(interrupt: Arc<AtomicBool>) -> Self {
         PythonObserver { interrupt, looked: Cell::new(Instant::now()) }
     }
 
-    /// Calls a function of `conserva._told`; what it raises ends the computation.
+    /// Calls a function of `conserva._told`; an exception ends the computation.
     fn tell(&self, name: &str, arguments: impl for<'py> FnOnce(Python<'py>) -> PyResult<Bound<'py, PyTuple>>) {
         Python::attach(|py| {
             let told = || py.import("conserva._told")?.getattr(name)?.call1(arguments(py)?);

@@ -1,11 +1,11 @@
-//! Messages of Conserva as exceptions of Python, which the package makes of their parts.
+//! Messages of Conserva as exceptions of Python, which the package constructs from their parts.
 
 use conserva::script::{Calls, Class, Diagnostic, Ink};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-/// The name of a class of messages.
+/// Name of a class of messages.
 fn class_name(class: Class) -> &'static str {
     match class {
         Class::Check => "check",
@@ -35,7 +35,7 @@ pub fn parts<'py>(py: Python<'py>, error: &Diagnostic) -> PyResult<Bound<'py, Py
     Ok(parts)
 }
 
-/// The exception of a message.
+/// Exception of a message.
 pub fn diagnostic_error(py: Python, error: &Diagnostic) -> PyErr {
     let made = || -> PyResult<PyErr> {
         let exception = py.import("conserva._errors")?.call_method1("exception_of", (parts(py, error)?,))?;
@@ -44,13 +44,13 @@ pub fn diagnostic_error(py: Python, error: &Diagnostic) -> PyErr {
     made().unwrap_or_else(|_| PyRuntimeError::new_err(error.title.clone()))
 }
 
-/// True of an exception of a class of `conserva._errors`.
+/// True for an exception of a class of `conserva._errors`.
 pub fn is_of(py: Python, error: &PyErr, class: &str) -> bool {
     let class = py.import("conserva._errors").and_then(|errors| errors.getattr(class));
     class.is_ok_and(|class| error.matches(py, class).unwrap_or(false))
 }
 
-/// An exception about a call that never reached the engine.
+/// Exception of a call that did not reach the engine.
 pub fn script_error(py: Python, title: &str, cause: &str, hint: &str) -> PyErr {
     diagnostic_error(py, &Diagnostic::error(Class::Script, title).code("C1020").cause(cause).hint(hint))
 }

@@ -1,4 +1,4 @@
-//! Scripts that run as a whole, and the command, each on a thread with the stack that deep recursion needs.
+//! Whole scripts and the command line, each on a thread with a stack for deep recursion.
 
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
@@ -14,10 +14,10 @@ use pyo3::types::PyDict;
 use crate::observer::PythonObserver;
 use crate::raise::{diagnostic_error, parts};
 
-/// Time between two looks at Python's signals.
+/// Period at which signals of Python are checked.
 const BETWEEN_LOOKS: Duration = Duration::from_millis(50);
 
-/// Runs a script file; what there is to report.
+/// Runs a script file; returns its report.
 ///
 /// # Errors
 /// The exception of a signal's handler, after the run has ended at a whole step.
@@ -38,7 +38,7 @@ pub fn run<'py>(
             Ok(mut session) => session.run_file(&path),
             Err(error) => Report::failed(*error),
         };
-        // Nobody waits any more where the interpreter ends.
+        // There is no receiver if the interpreter has ended.
         let _ = sender.send(report);
     };
     let thread = std::thread::Builder::new().name("script".into()).stack_size(STACK).spawn(work)?;
@@ -60,7 +60,7 @@ pub fn run<'py>(
             }
         }
     };
-    // The thread has sent its last message; what it still frees needs no lock of Python.
+    // The thread has sent its last message; freeing its values needs no lock of Python.
     let _ = py.detach(|| thread.join());
     match (raised, &report.error) {
         (Some(error), _) => Err(error),

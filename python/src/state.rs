@@ -1,8 +1,8 @@
-//! State of a thread: sessions of the script engine, and the engine's values behind objects of Python, by number.
+//! State of a thread: sessions of the script engine, and values of the engine by the numbers that objects of Python hold.
 //!
-//! Values of the script engine stay on their thread. An object of Python holds a number, whose upper bits name the thread, so that it may
-//! go anywhere: on another thread it is not found, which is an error with a message, and where it is freed there, the thread of the value
-//! frees it at its next call.
+//! Values of the script engine stay on their thread. An object of Python holds a number whose upper bits identify the thread, so that it
+//! may be passed to any thread. On another thread the value is not found, which is an error with a message; if the object is freed there,
+//! the thread of the value frees it at its next call.
 
 use std::cell::{Cell, RefCell};
 use std::collections::{BTreeMap, HashMap};
@@ -22,26 +22,25 @@ use crate::raise::{diagnostic_error, script_error};
 /// Bits of a number below those of its thread.
 const SERIAL_BITS: u32 = 40;
 
-/// Calls that may be open at a time, where functions of Python call Conserva again. The stack of a main thread holds more than twice as
-/// many.
+/// Largest number of nested calls, if functions of Python call Conserva again. The stack of a main thread holds more than twice as many.
 const MOST_CALLS: usize = 12;
 
 static THREADS: AtomicU64 = AtomicU64::new(1);
-/// Numbers of objects that were freed on other threads than theirs.
+/// Numbers of objects that were freed on other threads.
 static FREED: Mutex<Vec<u64>> = Mutex::new(Vec::new());
-/// Number of entries of [`FREED`], to look at without a lock.
+/// Number of entries of [`FREED`], readable without a lock.
 static WAITING: AtomicUsize = AtomicUsize::new(0);
-/// Interrupts of all sessions, and the number of calls that run.
+/// Interrupt flags of all sessions, and the number of running calls.
 static INTERRUPTS: Mutex<Vec<Arc<AtomicBool>>> = Mutex::new(Vec::new());
 static RUNNING: AtomicUsize = AtomicUsize::new(0);
-/// Interrupt of the sessions of the main thread, which its signal sets.
+/// Interrupt flag of the sessions of the main thread, which its signal sets.
 static MAIN: OnceLock<Arc<AtomicBool>> = OnceLock::new();
 
-/// A session with what ends its computations.
+/// Session with its interrupt flag.
 pub struct Live {
     /// Functions of the session.
     pub calls: Calls,
-    /// Ends a computation at the next whole step.
+    /// Flag that ends a computation at the next whole step.
     pub interrupt: Arc<AtomicBool>,
 }
 
@@ -55,7 +54,7 @@ pub struct State {
     depth: Cell<usize>,
     /// Calls that run without Python's lock, the innermost last, with their outcomes.
     pub pending: RefCell<Vec<Pending>>,
-    /// Exceptions of Python that travel through the engine.
+    /// Exceptions of Python that are passed through the engine.
     pub raised: RefCell<Option<PyErr>>,
 }
 
@@ -120,7 +119,7 @@ pub fn with<T>(work: impl FnOnce(&State) -> T) -> T {
 }
 
 impl State {
-    /// Keeps a value; its number.
+    /// Stores a value; returns its number.
     pub fn keep(&self, live: &Rc<Live>, value: Dynamic) -> u64 {
         let serial = self.serial.replace(self.serial.get() + 1);
         let number = self.thread << SERIAL_BITS | serial;
@@ -128,7 +127,7 @@ impl State {
         number
     }
 
-    /// The value of a number.
+    /// Value with a number.
     ///
     /// # Errors
     /// The object belongs to another thread, or its session has ended.
@@ -147,7 +146,7 @@ impl State {
         Err(script_error(py, what, "objects of Conserva are bound to the thread and session that made them", hint))
     }
 
-    /// Lets a value go.
+    /// Drops a value.
     pub fn release(&self, number: u64) {
         if number >> SERIAL_BITS == self.thread {
             let value = self.values.borrow_mut().remove(&number);
@@ -158,7 +157,7 @@ impl State {
         }
     }
 
-    /// Lets go of what was freed on other threads.
+    /// Drops the values whose objects were freed on other threads.
     fn sweep(&self) {
         if WAITING.load(Ordering::Relaxed) == 0 {
             return;
@@ -175,7 +174,7 @@ impl State {
         mine.into_iter().for_each(|number| self.release(number));
     }
 
-    /// The session of calls that no object decides; a session without files, the first time.
+    /// Session of calls without an object; on the first call a session without files.
     ///
     /// # Errors
     /// The working folder does not exist.
@@ -199,10 +198,10 @@ impl State {
         Ok(number)
     }
 
-    /// Opens a session with settings and makes it the one of this thread; the numbers of the new one and of the one before.
+    /// Opens a session with settings and makes it the current one of this thread; returns its number and that of the previous session.
     ///
     /// # Errors
-    /// Settings that do not exist, or a folder that does not.
+    /// Unknown settings, or a missing folder.
     pub fn enter(&self, py: Python, options: &Bound<'_, PyDict>) -> PyResult<(u64, u64)> {
         let mut settings = settings();
         let text = |key: &str| options.get_item(key).ok().flatten().filter(|value| !value.is_none());
@@ -223,7 +222,7 @@ impl State {
         Ok((number, self.current.replace(number)))
     }
 
-    /// Ends a session, goes back to another one, and returns what there is to report.
+    /// Ends a session, returns to another one, and returns its report.
     ///
     /// # Errors
     /// The session has ended before.
@@ -236,7 +235,7 @@ impl State {
         Ok(live.calls.finish(None))
     }
 
-    /// Counts a call that begins; the interrupt of an earlier one is over.
+    /// Counts a call that begins; clears the interrupt of an earlier one.
     ///
     /// # Errors
     /// Too many calls are open.
@@ -265,7 +264,7 @@ impl State {
         }
     }
 
-    /// Lets go of all sessions and values of this thread.
+    /// Drops all sessions and values of this thread.
     pub fn clear(&self) {
         let values = std::mem::take(&mut *self.values.borrow_mut());
         let sessions = std::mem::take(&mut *self.sessions.borrow_mut());
@@ -273,13 +272,13 @@ impl State {
     }
 }
 
-/// Settings of a session. A program may read whatever its user may, so that it gains nothing from a session that may not.
+/// Settings of a session. A program may read all files of its user, so that restrictions of a session would have no effect.
 fn settings() -> Settings {
     let root = std::env::current_dir().ok().and_then(|folder| folder.ancestors().last().map(PathBuf::from));
     Settings { checkpoints: Checkpoints::Never, interactive: true, allow_read: root.into_iter().collect(), ..Settings::default() }
 }
 
-/// The flag that ends computations of this thread.
+/// Flag that ends computations of this thread.
 fn interrupt_of_thread(py: Python) -> PyResult<Arc<AtomicBool>> {
     let threading = py.import("threading")?;
     let is_main = threading.call_method0("current_thread")?.is(&threading.call_method0("main_thread")?);
@@ -291,15 +290,15 @@ fn interrupt_of_thread(py: Python) -> PyResult<Arc<AtomicBool>> {
     Ok(flag)
 }
 
-/// A flag that the interrupt key sets, before Python's own handler raises its exception.
+/// Flag that the interrupt key sets, before Python's own handler raises its exception.
 fn watched_flag() -> Arc<AtomicBool> {
     let flag = Arc::new(AtomicBool::new(false));
-    // Without it, the flag is set after each step, where Python's signals are asked for.
+    // If this fails, the flag is set after each step, when Python's signals are checked.
     let _ = signal_hook::flag::register(signal_hook::consts::SIGINT, flag.clone());
     flag
 }
 
-/// Interrupts the computations of all threads, and waits until they have ended or a time has passed.
+/// Interrupts the computations of all threads, and waits until they have ended, for a limited time.
 pub fn interrupt_all(longest: std::time::Duration) {
     if let Ok(all) = INTERRUPTS.lock() {
         all.iter().for_each(|flag| flag.store(true, Ordering::Relaxed));
@@ -311,7 +310,7 @@ pub fn interrupt_all(longest: std::time::Duration) {
 }
 
 impl State {
-    /// The session of the innermost open call, else the current one.
+    /// Session of the innermost open call, otherwise the current one.
     ///
     /// # Errors
     /// The working folder does not exist.

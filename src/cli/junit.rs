@@ -1,6 +1,6 @@
-//! Results of script tests as JUnit XML, the form that build servers read.
+//! Results of script tests as JUnit XML, for build servers.
 //!
-//! One `testsuite` for each file, one `testcase` for each test. The format is small enough to be written here.
+//! One `testsuite` for each file, one `testcase` for each test. The format is small enough to be implemented here.
 
 use std::fmt::Write;
 

@@ -1,4 +1,4 @@
-//! Floor 9: the command line. Terminal, signals and exit codes live here; everything about scripts two floors below.
+//! Floor 9: the command line. Terminal, signals and exit codes are handled here; the language is in `script/`.
 
 mod check;
 mod columns;
@@ -105,7 +105,7 @@ fn manual(command: Option<&str>) -> u8 {
         return exit_code(Class::Script);
     };
     let mut text = Vec::new();
-    // Writing into memory does not fail.
+    // Writing to memory does not fail.
     let _ = clap_mangen::Man::new(page).render(&mut text);
     write_out(&String::from_utf8_lossy(&text));
     0
@@ -114,7 +114,7 @@ fn manual(command: Option<&str>) -> u8 {
 /// Reports wrong arguments, or shows the requested help; returns the exit code.
 fn told(error: &clap::Error) -> u8 {
     let (written, code) = (error.print(), u8::try_from(error.exit_code()).unwrap_or(exit_code(Class::Script)));
-    // A message that cannot be shown on standard error has nowhere to go.
+    // A failed write to standard error cannot be reported.
     if error.use_stderr() {
         return code;
     }

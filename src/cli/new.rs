@@ -36,7 +36,7 @@ pub fn new(arguments: Arguments) -> u8 {
         PathBuf::from(name)
     };
     let name: String = file.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
-    // the name stands inside a string and a comment of the script
+    // the name is used in a string and a comment of the script
     let plain: String = name.chars().map(|letter| if letter.is_alphanumeric() || "-_. ".contains(letter) { letter } else { '_' }).collect();
     let text = match &arguments.from {
         None => TEMPLATE.replace("NAME", &plain),
@@ -52,7 +52,7 @@ pub fn new(arguments: Arguments) -> u8 {
     match written {
         Ok(()) => {
             let path = file.display().to_string();
-            // what stands between backticks can be pasted into a shell
+            // text in backticks can be pasted into a shell
             let word = if path.contains(char::is_whitespace) { format!("\"{path}\"") } else { path.clone() };
             Console::new(true).say(&format!("{path} is written; `conserva run {word}` runs it, `conserva test {word}` tests it"));
             0
@@ -77,7 +77,7 @@ fn from_deck(path: &Path, script: &Path, name: &str) -> Result<String, Box<Diagn
         let message = error.place().into_iter().fold(message, |message, place| message.cause(format!("it shows {place}")));
         Box::new(message.hint(error.hint()))
     })?;
-    // a script reads files below its own folder by their path from there
+    // a script refers to files below its own folder by relative paths
     let folder = script.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let below = match (path.canonicalize(), folder.canonicalize()) {
         (Ok(path), Ok(folder)) => path.strip_prefix(folder).map(Path::to_path_buf).ok(),

@@ -11,7 +11,7 @@ static PROGRAM: OnceLock<PathBuf> = OnceLock::new();
 
 /// Sets the program that studies start for their points; by default this process's executable.
 pub fn set_program(program: PathBuf) {
-    // The first call holds: a process has one program.
+    // Only the first call has an effect: a process has one program.
     let _ = PROGRAM.set(program);
 }
 

@@ -298,7 +298,7 @@ impl Terminal {
         editor.bind_sequence(KeyEvent(KeyCode::Enter, Modifiers::NONE), indent);
         let history = history_file();
         if let Some(file) = &history {
-            // The first session has no history file.
+            // A first session has no history file.
             let _ = editor.load_history(file);
         }
         self.console.say(&format!("conserva {}   :help for help, Ctrl-D to quit", env!("CARGO_PKG_VERSION")));
@@ -376,7 +376,7 @@ impl Terminal {
         true
     }
 
-    /// Sets or tells the number of digits.
+    /// Sets or prints the number of digits.
     fn digits(&self, text: &str) {
         let mut session = self.session.borrow_mut();
         match (text, text.parse::<usize>()) {
@@ -389,7 +389,7 @@ impl Terminal {
         self.console.say(&format!("numbers are shown with {told}"));
     }
 
-    /// Runs a command of the shell, which has the terminal meanwhile.
+    /// Runs a shell command, which uses the terminal until its end.
     fn shell(&self, command: &str) {
         let shell = if cfg!(windows) { ("cmd", "/C") } else { ("sh", "-c") };
         match std::process::Command::new(shell.0).arg(shell.1).arg(command).status() {

@@ -81,7 +81,7 @@ fn written(out: &Path, page: &[u8]) -> Result<(), OutputError> {
     RunFiles::create(folder)?.write(&name, page).map(drop)
 }
 
-/// Tells the user of further simulations in the folders of all runs, with the command for their page.
+/// Prints the further simulations in the folders of all runs, with the command for their page.
 fn further(runs: &[PathBuf], console: &Console) {
     let names = |path: &PathBuf| RunFolder::open(path).map(|run| run.further()).unwrap_or_default();
     let mut common = names(&runs[0]);

@@ -113,7 +113,7 @@ pub fn resume(arguments: Arguments) -> u8 {
 fn attempt(arguments: &Arguments) -> Result<u8, Box<Diagnostic>> {
     let (run, place) = find(&arguments.run)?;
     let out = run.canonicalize().unwrap_or_else(|_| run.clone());
-    // Taken before any file is read that another process may change.
+    // The lock is taken before files are read that another process may change.
     let lock = RunLock::take(&out).map_err(|error| unwritten(&error))?;
     let (checkpoint, aside) = sound(&run, &place)?;
     let origin = checkpoint.origin.clone();

@@ -38,7 +38,7 @@ pub fn interrupt() -> Result<Arc<AtomicBool>> {
             flag::register(signal, interrupt.clone())?;
         }
         watch_hangup(&interrupt)?;
-        // A file beyond its size limit then fails with an error of the write.
+        // A write beyond the size limit of files then fails with an error.
         flag::register(SIGXFSZ, Arc::default())?;
     }
     Ok(interrupt)

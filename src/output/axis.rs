@@ -35,7 +35,7 @@ impl Axis {
 
     fn new([low, high]: [f64; 2], count: usize) -> Self {
         let size = Some(low.abs().max(high.abs())).filter(|&size| size > NOTHING).unwrap_or(0.0);
-        // Values that are zero in any units are drawn as zero.
+        // A range that vanishes in any units is drawn as zero.
         let [low, high] = if size == 0.0 { [0.0; 2] } else { [low, high] };
         let magnitude = size.log10().floor() as i32;
         let exponent = if size == 0.0 || (-3..5).contains(&magnitude) { 0 } else { magnitude };
@@ -51,7 +51,7 @@ impl Axis {
         if digit == 10 {
             (digit, power) = (1, power + 1);
         }
-        // Whole multiples over a power of ten are correctly rounded, sums of steps are not.
+        // Whole multiples divided by a power of ten are correctly rounded, sums of steps are not.
         let tick = |multiple: f64| {
             let whole = multiple * f64::from(digit);
             if power < 0 { whole / 10f64.powi(-power) } else { whole * 10f64.powi(power) }
@@ -80,7 +80,7 @@ impl Axis {
         let ticks = (first..=*decades.end()).filter(|decade| decade % every == 0);
         let ticks = ticks.flat_map(|decade| between.iter().map(move |digit| decade as f64 + digit.log10()));
         let ticks: Vec<f64> = ticks.filter(|tick| (low - FLAT..=high + FLAT).contains(tick)).collect();
-        // Less than a decade may contain no such tick.
+        // An interval of less than a decade may contain no such tick.
         let ticks = if ticks.len() < 2 { vec![low, high] } else { ticks };
         Axis { low, high, ticks, exponent: 0, decimals: 0, is_logarithmic: true }
     }

@@ -1,4 +1,4 @@
-//! A frame as a multiblock file (`.vtm`) of VTK: a file for each body, obstacle or contact, as a block with its name.
+//! A frame as a multiblock file (`.vtm`) of VTK: one file for each body, obstacle or contact, as a block with its name.
 
 use std::fmt::Write as _;
 
@@ -83,7 +83,7 @@ mod tests {
         for (index, body) in bodies.iter().enumerate() {
             let alone = read(std::slice::from_ref(body));
             let text = |frame: &FieldsRead| {
-                // Bodies keep their numbers.
+                // A part keeps its body number, so that the array `body` differs.
                 let arrays = frame.arrays.iter().filter(|array| array.name != "body").cloned().collect();
                 vtu_text(&FieldsRead { arrays, ..frame.clone() })
             };

@@ -1,7 +1,7 @@
-//! Histories drawn with letters: curves of braille dots between two axes, each named at its end.
+//! Histories drawn with characters: curves of braille dots between two axes, each named at its end.
 //!
-//! Written here because the crates for this (`textplots`, `rasciigraph`) have one label per axis end and no names at the curves. A letter
-//! holds two by four dots; with colors a letter has that of the last curve through it.
+//! Implemented here because the crates for this purpose (`textplots`, `rasciigraph`) have one label per axis end and no names at the
+//! curves. A character has two by four dots; with colors a character has that of the last curve through it.
 
 use super::axis::Axis;
 use crate::math::tolerances::PLOT_END;

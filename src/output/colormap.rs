@@ -1,7 +1,7 @@
-//! Viridis: a color map whose lightness grows evenly, so that equal steps of a value look like equal steps.
+//! Viridis: a color map with uniformly increasing lightness, so that equal steps of a value appear as equal steps.
 //!
-//! Every sixteenth of the 256 colors of N. Smith & S. van der Walt (matplotlib 2.0, released under CC0), with straight lines between: no
-//! channel is off by more than 6 of 255.
+//! Every sixteenth of the 256 colors of N. Smith & S. van der Walt (matplotlib 2.0, released under CC0), linearly interpolated: the largest
+//! error of a channel is 6 of 255.
 
 const COLORS: [[f64; 3]; 17] = [
     [68.0, 1.0, 84.0],
@@ -23,7 +23,7 @@ const COLORS: [[f64; 3]; 17] = [
     [253.0, 231.0, 37.0],
 ];
 
-/// Red, green and blue from 0 to 255 at a place from 0 (dark violet) to 1 (yellow); a place beyond is taken as the end, NaN as 0.
+/// Red, green and blue from 0 to 255 at a position from 0 (dark violet) to 1 (yellow); positions beyond are clamped, NaN counts as 0.
 pub(super) fn viridis(place: f64) -> [f64; 3] {
     let place = if place.is_nan() { 0.0 } else { place.clamp(0.0, 1.0) } * (COLORS.len() - 1) as f64;
     let below = (place.floor() as usize).min(COLORS.len() - 2);

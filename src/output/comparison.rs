@@ -236,7 +236,7 @@ fn compare_simulations(runs: &[RunFolder; 2], exactness: &Exactness) -> Result<C
     Ok(found)
 }
 
-/// Size of a unit relative to another one; `None` of equal units, and where one is not known.
+/// Ratio of two units; `None` for equal units, and if one is unknown.
 fn ratio(from: Option<&String>, to: Option<&String>) -> Option<Scale> {
     let [from, to] = [from.filter(|from| to != Some(from))?, to?].map(|unit| Unit::parse(unit).ok());
     let (from, to) = (from?, to?);
@@ -541,12 +541,12 @@ mod tests {
         assert_eq!((kinetic.first, kinetic.second), (Some(4.0), Some(3.0)));
         assert_eq!(found.columns.iter().map(|column| column.column.as_str()).collect::<Vec<_>>(), ["kinetic", "race.force_x"]);
         assert_eq!(found.entries[0].name, "parameter dt");
-        // The frame before the last one differs more.
+        // The frame before the last one has the larger difference.
         let field = &found.fields[0];
         assert_eq!((field.field.as_str(), field.places, field.at, field.frames), ("displacement", 1, 7, 2));
         assert_eq!((field.series, field.from_time, field.at_time, found.frames_compared), ("fields.pvd", 0.5, 0.5, 2));
         assert!((field.largest.unwrap() - 0.125).abs() < 1e-15);
-        // Round-off beside a force of 4 is none with a tolerance; the rest stays.
+        // With a tolerance, round-off beside a force of 4 is no difference; other differences remain.
         let rough = Exactness { tolerance: 1e-12, ignored: vec!["kin*".into()] };
         assert_eq!(compare(&a, &b, &rough).unwrap()[0].columns, []);
     }

@@ -1,9 +1,9 @@
-//! Regions where a nodal field is above a level, on a patch of cells, as closed loops.
+//! Regions where a nodal field is above a level, on a set of cells, as closed loops.
 //!
 //! Painting the regions of ascending levels over each other gives filled contours without seams between cells, and a picture whose size
-//! depends on what it shows, not on how fine the mesh is. Cells with more than three corners are split into triangles around their
-//! middle, on which the field is linear (marching triangles). Loops close exactly, because their corners are identified by the mesh
-//! edge that they lie on and not by their coordinates. Curved sides are drawn as two straight ones.
+//! depends on its content, not on the fineness of the mesh. Cells with more than three corners are split into triangles around their
+//! center, on which the field is linear (marching triangles). Loops close exactly, because their corners are identified by the mesh edge on
+//! which they lie and not by their coordinates. Curved sides are drawn as two straight ones.
 
 use std::collections::HashMap;
 
@@ -18,8 +18,8 @@ pub(super) struct Patch {
 }
 
 impl Patch {
-    /// A patch of polygons, given by numbers of points. Values that are not finite count as the lowest; polygons with a point that is
-    /// not finite are left out.
+    /// Set of polygons, given by indices of points. Values that are not finite count as the lowest; polygons with a point that is not
+    /// finite are left out.
     pub fn new<'a>(points: &[[f64; 2]], values: &[f64], polygons: impl IntoIterator<Item = &'a [u32]>) -> Self {
         let mut points = points.to_vec();
         let mut values: Vec<f64> = values.iter().map(|&value| if value.is_finite() { value } else { f64::MIN }).collect();
@@ -65,17 +65,17 @@ impl Patch {
         self.edges.iter().map(|edge| edge.map(|node| self.points[node as usize]))
     }
 
-    /// The whole patch as loops.
+    /// Outline of the set of cells as loops.
     pub fn outline(&self) -> Vec<Vec<[f64; 2]>> {
         self.above(f64::NEG_INFINITY)
     }
 
-    /// Part of the patch in which the field is at or above a level, as loops in the sense of the even-odd rule.
+    /// Region in which the field is at or above a level, as loops in the sense of the even-odd rule.
     pub fn above(&self, level: f64) -> Vec<Vec<[f64; 2]>> {
         let inside = |node: u32| self.values[node as usize] >= level;
         let mut segments: Vec<[Corner; 2]> = Vec::new();
         for &[a, b, c] in &self.triangles {
-            // The vertex that lies alone on its side of the level.
+            // The vertex that is alone on its side of the level.
             let [lone, p, q] = match [inside(a), inside(b), inside(c)] {
                 [true, false, false] | [false, true, true] => [a, b, c],
                 [false, true, false] | [true, false, true] => [b, c, a],
@@ -222,7 +222,7 @@ mod tests {
             areas.sort_by(f64::total_cmp);
             areas
         };
-        // The four cells around the missing value are a hole; at the level 4 the region has shrunk to two sides.
+        // The four cells around the missing value are a hole; at the level 4 the region is reduced to two sides.
         assert_eq!(areas(0.0), [0.25, 1.0]);
         assert_eq!(areas(1.0).iter().sum::<f64>(), 0.25 + 1.0 - 0.0625);
         assert_eq!(areas(4.0).iter().sum::<f64>(), 0.0);
@@ -238,7 +238,7 @@ mod tests {
         assert_eq!((few.len(), area(&few).abs()), (4, 1.0), "corners are kept as they are");
         let circle: Vec<[f64; 2]> = (0..1000).map(|k| std::f64::consts::TAU * f64::from(k) / 1000.0).map(|a| [a.cos(), a.sin()]).collect();
         let few = simplified(&circle, 1e-3);
-        // Sagitta 1e-3 means an angle of 2 acos(1 - 1e-3) = 0.09, so about 70 corners; the halving of arcs may double that.
+        // A sagitta of 1e-3 means an angle of 2 acos(1 - 1e-3) = 0.09, so about 70 corners; the halving of arcs may double that.
         assert!((70..=140).contains(&few.len()), "{}", few.len());
     }
 }

@@ -1,7 +1,7 @@
 //! Texts as fields of CSV files (RFC 4180), and back.
 //!
-//! A program that opens a table computes what looks like a formula, so that a name could run a command. A text that begins with `=`, `+`,
-//! `-`, `@` or white space that hides one of them has an apostrophe in front, which such programs do not show; numbers stay as they are.
+//! Spreadsheets evaluate text that looks like a formula, so that a name could run a command. A text that begins with `=`, `+`, `-`, `@`, or
+//! with white space before one of them, is preceded by an apostrophe, which spreadsheets do not show; numbers are unchanged.
 
 use std::borrow::Cow;
 

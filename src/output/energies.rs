@@ -1,7 +1,7 @@
-//! The energies of a run over time (Fig. 2 of Hesch & Betsch 2007).
+//! Energies of a run over time (Fig. 2 of Hesch & Betsch 2007).
 //!
-//! The zero of a potential energy is arbitrary. Where it would flatten what moves, as gravity does far above its origin, the potential and
-//! the total are drawn less the potential's lowest value, and the legend says so.
+//! The zero of a potential energy is arbitrary. If it would flatten the curves, as gravity does far above its origin, the potential and the
+//! total are drawn relative to the potential's lowest value, which the legend states.
 
 use super::plot::{Curve, Plot, PlotAxis};
 use crate::dynamics::{LedgerRow, Rows};
@@ -19,7 +19,7 @@ pub fn energies<R: Rows + ?Sized>(title: &str, rows: &R) -> Plot {
     let curves = ENERGIES.into_iter().zip(values).filter(|(name, values)| *name != "potential" || values.iter().any(|&value| value != 0.0));
     let mut curves: Vec<Curve> = curves.map(curve).collect();
     above_lowest_potential(&mut curves);
-    // The axis includes zero, so that shares of the total can be read off.
+    // The axis includes zero, so that fractions of the total can be read off.
     let y = PlotAxis { included: Some(0.0), ..PlotAxis::new("energy") };
     Plot { title: title.into(), x: PlotAxis::new("time"), y, curves, ..Plot::default() }
 }

@@ -1,7 +1,7 @@
-//! The record of the files of a run: `.files` in its folder, one path a line, so that the next run into the same folder removes what is
-//! not its own instead of leaving it beside its results.
+//! Record of the files of a run: `.files` in its folder, one path per line, so that the next run into the folder removes the files of the
+//! earlier run.
 //!
-//! A path is written down before its file, and nothing is removed that is not in the record: files that others put into the folder stay.
+//! A path is recorded before its file is written, and only recorded files are removed: foreign files in the folder stay.
 
 use std::collections::BTreeSet;
 use std::fs::{self, File};

@@ -1,10 +1,10 @@
-//! The output directory of a run: every file below it, replaced in one piece, and errors that name the file.
+//! The output directory of a run: every file below it, replaced atomically, and errors that name the file.
 //!
-//! A file is written under a hidden name beside its place and then renamed, so that a reader sees the old or the new content, never a part.
-//! A file, link or pipe at that place is replaced, not written through. Names come from scripts: names that lead outside the directory
-//! (`..`, an absolute path, a symbolic link) are refused, and so are files that the run reads. This guards against mistakes and untrusted
-//! scripts, not against another program that swaps links during a write. Only checkpoints are synced to disk: after a power failure the
-//! last of the other files may be missing.
+//! A file is written under a hidden name beside its place and then renamed, so that a reader finds the old or the new content, never a
+//! part. A file, link or pipe at that place is replaced, not written through. Names come from scripts: names that lead outside the
+//! directory (`..`, an absolute path, a symbolic link) are refused, and so are files that the run reads. This guards against mistakes and
+//! untrusted scripts, not against another program that swaps links during a write. Only checkpoints are synced to disk: after a power
+//! failure the last of the other files may be missing.
 
 use std::ffi::OsString;
 use std::fs::{self, File};
@@ -576,7 +576,7 @@ mod tests {
         for piece in ["step\n", "0\n", "1\n"] {
             stream.append(piece.as_bytes()).unwrap();
         }
-        // The stream is still open: this is what a reader finds after the program was killed.
+        // The stream is still open: after a kill a reader finds this content.
         assert_eq!(fs::read_to_string(directory.join("history.csv")).unwrap(), "step\n0\n1\n");
         stream.truncate(7).unwrap();
         stream.append(b"2\n").unwrap();

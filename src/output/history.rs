@@ -1,8 +1,8 @@
-//! Rows of a run so far: the last ones in memory, the older ones on the disk.
+//! Rows of a run so far: the last ones in memory, the older ones on disk.
 //!
 //! Complete blocks of rows never change, so histories of saved states and branches share blocks. Without an output folder, blocks stay in
-//! memory. The file of blocks is unlinked when opened, where the system allows that, so that no file is left however the program ends; a
-//! resumed run fills a new file from its journal.
+//! memory. The file of blocks is unlinked when opened, if the system permits, so that no file is left however the program ends; a resumed
+//! run fills a new file from its journal.
 
 use std::cell::RefCell;
 use std::fs::{self, File};
@@ -348,7 +348,7 @@ mod tests {
         history.visit(0, &mut |_| count += 1);
         assert_eq!(count, 300);
         assert!(store.problem().is_some() && history.problem().is_some());
-        // What is in memory goes on.
+        // Rows can still be added in memory.
         history.push(row(300));
         assert_eq!(history.last(), Some(&row(300)));
     }

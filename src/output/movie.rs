@@ -1,8 +1,8 @@
 //! A series of drawings as an animated PNG or GIF.
 //!
-//! Both formats get one palette for all pictures: the 255 colors that are most frequent in some of them, and one index for pixels that stay
-//! as they were. A picture is written as the rectangle that has changed since the one before. Pictures are few flat colors with smoothed
-//! borders, so nothing is seen of the palette; photographs would need another way.
+//! Both formats have one palette for all pictures: the 255 most frequent colors of some of them, and one index for unchanged pixels. A
+//! picture is written as the rectangle that differs from the previous one. Pictures have few flat colors with smoothed borders, so that the
+//! palette is not visible; photographs would need another method.
 
 use std::borrow::Cow;
 use std::cmp::Reverse;
@@ -172,7 +172,7 @@ mod tests {
     use super::super::drawing::{Ink, Line};
     use super::*;
 
-    /// A square that goes to the right.
+    /// A square that moves to the right.
     fn square(index: usize) -> Drawing {
         let mut drawing = Drawing::new([60.0, 40.0]);
         let left = 5.0 + 10.0 * index as f64;
@@ -181,7 +181,7 @@ mod tests {
         drawing
     }
 
-    /// Pictures of an animated PNG put together as a viewer does.
+    /// Pictures of an animated PNG, composed as by a viewer.
     fn played(bytes: &[u8]) -> Vec<Vec<[u8; 3]>> {
         let mut decoder = ::png::Decoder::new(std::io::Cursor::new(bytes));
         decoder.set_transformations(::png::Transformations::EXPAND | ::png::Transformations::ALPHA);

@@ -1,7 +1,7 @@
-//! Rigid obstacles in space as something to look at: their surfaces in facets, the smaller the smaller the bodies beside them.
+//! Surfaces of rigid obstacles in space for pictures, in facets whose size depends on that of the bodies.
 //!
-//! What has no end, such as a plane, is drawn as far as the bodies are, and a little farther; of a sphere or a cylinder that is much larger
-//! than the bodies, the part beside them.
+//! Unbounded obstacles, such as planes, are drawn slightly beyond the bodies; of a sphere or a cylinder that is much larger than the
+//! bodies, the part beside the bodies is drawn.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -74,7 +74,7 @@ impl ObstacleSurface {
             ObstacleInSpace::FiniteCylinder { center, axis, radius, length, edge } => {
                 let (axis, center) = (unit(*axis), Vector::from(*center));
                 let [u, v] = across(axis);
-                // Half the profile, from the middle of the side to that of an end.
+                // Half of the profile, from the middle of the side to that of an end.
                 let arc =
                     (0..=CORNER).map(|k| k as f64 / CORNER as f64 * FRAC_PI_2).map(|t| [edge * (t.cos() - 1.0), edge * (t.sin() - 1.0)]);
                 let half = arc.map(|[out, up]| [radius + out, 0.5 * length + up]).chain([[0.0, 0.5 * length]]);
@@ -161,7 +161,7 @@ mod tests {
     use super::*;
     use crate::contact::Facets;
 
-    /// Facets look to where bodies are, and their corners are on the obstacle.
+    /// Facets face the bodies, and their corners are on the obstacle.
     #[test]
     fn facets_lie_on_the_obstacle_and_look_to_the_bodies() {
         let (axis, center) = ([0.0, 1.0, 2.0], [0.5, 0.0, -1.0]);

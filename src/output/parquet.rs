@@ -1,8 +1,8 @@
-//! Parquet: a table as pandas, Polars, DuckDB, Arrow and R read it, types and missing values included.
+//! Parquet: a table with types and missing values for pandas, Polars, DuckDB, Arrow and R.
 //!
 //! One row group for each [`GROUP`] rows, `INT64` for counts, `DOUBLE` for other numbers and UTF-8 strings, all optional; plain or
-//! dictionary pages without compression, since digits of a simulation hardly compress. Nothing depends on the clock, so equal tables give
-//! equal bytes. (Apache Parquet format 2, crate `parquet` without Arrow.)
+//! dictionary pages without compression, since digits of a simulation hardly compress. The output does not depend on the clock, so equal
+//! tables give equal bytes. (Apache Parquet format 2, crate `parquet` without Arrow.)
 
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -57,7 +57,7 @@ pub fn parquet(table: &Table) -> std::result::Result<Vec<u8>, String> {
     parquet_in_units(table, &BTreeMap::new())
 }
 
-/// Encodes a table with the units of its columns, which stand as a JSON object under the key `units` of the file's metadata.
+/// Encodes a table with the units of its columns, as a JSON object under the key `units` of the file's metadata.
 ///
 /// # Errors
 /// As [`parquet()`].

@@ -1,7 +1,7 @@
 //! Curves in a pair of axes: histories, columns against columns, arrays of a script.
 //!
-//! The legend stands above the axes in as many rows as it needs, so it never hides a curve. A long curve is thinned to the first, lowest,
-//! highest and last value per column of the picture, which looks the same. Values that are not finite, or not positive on a logarithmic
+//! The legend is above the axes in as many rows as necessary, so that it never hides a curve. A long curve is thinned to the first, lowest,
+//! highest and last value per column of pixels, which gives the same picture. Values that are not finite, or not positive on a logarithmic
 //! axis, leave a gap.
 
 use super::axis::Axis;
@@ -158,7 +158,7 @@ impl Plot {
         let left = MARGIN + label_height(&self.y, TEXT + 10.0) + widest(&y) + 8.0;
         let right = width - free - MARGIN - (0.5 * widest(&x)).min(30.0);
         let top = self.head_into(&mut out, left, right);
-        // A legend with many rows increases the height of the picture, not at the cost of the axes.
+        // A legend with many rows increases the height of the picture and does not reduce the axes.
         let below = MARGIN + label_height(&self.x, TEXT + 8.0) + TEXT + 4.0;
         let height = height.max(top + LEAST + below);
         out.set_height(height);

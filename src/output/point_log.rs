@@ -93,7 +93,7 @@ mod tests {
         }
         let place = directory.join("checkpoints/sweep.points");
         let bytes = std::fs::read(&place).unwrap();
-        // A text is its length and its letters.
+        // A text is encoded as its length and its letters.
         let ends = [14, 23, 37];
         assert_eq!(bytes.len(), ends[2]);
         for cut in 0..=bytes.len() {

@@ -1,6 +1,6 @@
-//! PVD: the list of a simulation's VTU files with their times, as ParaView and PyVista open it.
+//! PVD: the list of a simulation's VTU files with their times, for ParaView and PyVista.
 //!
-//! The list is replaced in one piece after every frame, so it is valid and complete however the run ends.
+//! The list is replaced atomically after every frame, so that it is valid and complete however the run ends.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};

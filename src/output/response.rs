@@ -1,6 +1,6 @@
 //! Values over two parameters as colors: boxes for values on a grid, markers for scattered ones.
 //!
-//! Nothing is computed between the values, so the picture shows no more than was computed.
+//! Values are not interpolated, so the picture shows computed values only.
 
 use super::axis::Axis;
 use super::colormap::viridis;

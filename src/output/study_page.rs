@@ -1,4 +1,4 @@
-//! A page with a table and drawings, without anything from elsewhere.
+//! A self-contained page with a table and drawings.
 
 use super::drawing::{Drawing, svg};
 use super::markup::escaped;

@@ -1,16 +1,16 @@
 //! VTU: all bodies at one time as a VTK unstructured grid, for ParaView, PyVista and meshio.
 //!
 //! Points are the *undeformed* positions and `displacement` is a point field, so that ParaView's filter "Warp by Vector" shows the deformed
-//! bodies at any magnification. Data stand behind the XML text as raw little-endian bytes in zlib blocks (VTK file formats, "XML file
-//! formats", 2024: appended data with `vtkZLibDataCompressor`). A contact gap that does not exist is NaN. Names of the bodies stand in a
-//! comment, since meshio refuses files with text arrays; the cell field `body` counts them from 0.
+//! bodies at any magnification. Data follow the XML text as raw little-endian bytes in zlib blocks (VTK file formats, "XML file formats",
+//! 2024: appended data with `vtkZLibDataCompressor`). A contact gap without an opposite surface is NaN. Names of the bodies are in a
+//! comment, since meshio refuses files with text arrays; the cell field `body` counts bodies from 0.
 //!
-//! Rigid obstacles are files of their own: bands of quadrilaterals behind their borders, at the places where they are (their points move,
-//! nothing is warped). The cell field `obstacle` counts them from 0.
+//! Rigid obstacles are separate files: bands of quadrilaterals behind their borders at their current positions (their points move, without
+//! warping). The cell field `obstacle` counts them from 0.
 //!
-//! Secondary surfaces of contacts are files of their own, too: straight facets as lines with what contact does at their nodes, each
-//! contact by itself, where the fields of a body have the sum over all. The cell field `contact` counts them from 0; `body` and `node` tell
-//! where a point is found in the fields.
+//! Secondary surfaces of contacts are separate files, too: straight facets as lines with the contact fields at their nodes, for each
+//! contact alone, whereas the fields of a body have the sum over all contacts. The cell field `contact` counts contacts from 0; `body` and
+//! `node` refer to the point in the fields.
 
 use std::fmt::Write as _;
 use std::io::Write as _;
@@ -411,7 +411,7 @@ mod tests {
 
     #[test]
     fn arrays_read_back_bit_by_bit() {
-        // Large enough for more than one block per array, and with a body of its own node numbers behind the first.
+        // Large enough for more than one block per array, with a second body that has its own node numbers.
         let bodies = [ring("outer ring", [1.0, 1.5], [40, 80]), ring("inner -- ring", [0.5, 1.0], [2, 9])];
         let file = Frame::new(0.25, &bodies).encode();
         let joined = |values: fn(&BodyFields) -> Vec<f64>| bodies.iter().flat_map(values).map(f64::to_bits).collect::<Vec<_>>();

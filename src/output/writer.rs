@@ -183,7 +183,7 @@ mod tests {
         let (expected_in, expected_files) = scratch("writer expected");
         let mut bodies = [ring("ring", [1.0, 1.5], [20, 60])];
         let (mut behind, mut series) = (writer(&files), FieldSeries::create(&expected_files, "fields.pvd").unwrap());
-        // More than the queue holds, with a way back from 0.3 to 0.2.
+        // More frames than the queue holds, with a return from 0.3 to 0.2.
         for (row, time) in [0.0, 0.1, 0.2, 0.3, 0.2, 0.4, 0.5, 0.6].into_iter().enumerate() {
             bodies[0].displacement[7] = [time, -time, 0.0];
             behind.append(time, row, &bodies).unwrap();
@@ -217,7 +217,7 @@ mod tests {
         let mut behind = writer(&files);
         behind.append(0.0, 0, &bodies).unwrap();
         behind.wait().unwrap();
-        // A folder stands where the frame is to be.
+        // A folder at the place of the frame.
         fs::create_dir(directory.join("fields/fields_000001.vtu")).unwrap();
         behind.append(0.1, 1, &bodies).unwrap();
         let error = behind.wait().unwrap_err();
@@ -240,7 +240,7 @@ mod tests {
         fs::create_dir_all(directory.join("fields/fields_000000.vtu")).unwrap();
         let begun = std::time::Instant::now();
         let mut time = 0.0;
-        // The queue is bounded, so a few frames are enough; the clock only ends a loop that would be wrong.
+        // The queue is bounded, so that a few frames suffice; the time limit only ends a loop with a defect.
         while behind.append(time, 0, &bodies).is_ok() {
             assert!(begun.elapsed().as_secs() < 60, "the refusal is not told");
             time += 1.0;

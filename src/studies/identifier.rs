@@ -1,4 +1,4 @@
-//! Names of points, made of their parameters alone, so that a growing study finds the points computed before.
+//! Names of points, derived from their parameters alone, so that a growing study finds its finished points.
 
 use sha2::{Digest, Sha256};
 
@@ -13,7 +13,7 @@ pub fn identifier(names: &[String], values: &[String]) -> String {
     let whole = pairs.join(",");
     let plain = |sign: char| sign.is_ascii_alphanumeric() || "._+-=,".contains(sign);
     let shown: String = whole.chars().map(|sign| if plain(sign) { sign } else { '-' }).collect();
-    // A comma or an equality sign inside of a value would make two points one.
+    // A comma or an equality sign inside a value would make the names of two points equal.
     let is_plain = shown == whole && !values.iter().chain(names).any(|word| word.contains([',', '='])) && !shown.starts_with('.');
     if is_plain && shown.len() <= LONGEST {
         return shown;

@@ -1,8 +1,8 @@
-//! Floor 8: studies: one script for many values of its parameters, in a folder that is all of their state.
+//! Floor 8: studies: one script for many values of its parameters, with the complete state in a folder.
 //!
 //! A [`Plan`] lists the points of a [`Design`]; [`compute`] computes a point as a plain run with `--set`. It is called by a pool of
 //! processes on this machine ([`here`]), a task of a cluster's scheduler ([`slurm`]), or a command in a shell. [`collect`] makes the table.
-//! The three share only files: a point is done when its record exists, and under way while its claim is locked.
+//! The three communicate through files only: a point is done when its record exists, and under way while its claim is locked.
 
 mod collect;
 mod collected;

@@ -15,7 +15,7 @@ const ROWS: usize = 2000;
 /// Columns not shown on the page: long, or equal in every row.
 const HIDDEN: [&str; 4] = ["id", "version", "scripts", "command"];
 
-/// Start of a table, which the keyboard scrolls where it is wider than the page.
+/// Start of a table, which can be scrolled with the keyboard if it is wider than the page.
 const WIDE: &str = "<div class=\"wide\" tabindex=\"0\" role=\"group\" aria-label=\"Table\">";
 
 const STYLE: &str = include_str!("page/style.css");

@@ -76,7 +76,7 @@ mod tests {
 
     #[test]
     fn sobol_has_one_sample_in_every_cell_and_random_has_not() {
-        // Every elementary interval of base 2 holds its share: the definition of a (0, 2)-sequence.
+        // Every elementary interval of base 2 contains its fraction of the samples: the definition of a (0, 2)-sequence.
         let cells = |method| {
             let samples = Sampling { method, count: 256, seed: 7 }.draw(2).unwrap();
             let mut cells: Vec<[usize; 2]> = samples.iter().map(|sample| [0, 1].map(|axis| (sample[axis] * 16.0) as usize)).collect();

@@ -26,7 +26,7 @@ pub struct StudyFile {
     pub sample: Option<String>,
     /// Value of the option `--seed`.
     pub seed: Option<u32>,
-    /// True like the option `--zip`.
+    /// Value of the option `--zip`.
     #[serde(default)]
     pub zip: bool,
     /// Value of the option `--point-time`.

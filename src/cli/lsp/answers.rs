@@ -26,10 +26,10 @@ type Refusal = (ErrorCode, String);
 /// A text, its address, and a byte in it.
 type At<'a> = (&'a Document, Uri, usize);
 
-/// Answers a request by its method; `null` where there is nothing to say.
+/// Answers a request by its method; `null` without a result.
 ///
 /// # Errors
-/// A method that is not known, parameters that cannot be read, a name that cannot be given.
+/// An unknown method, invalid parameters, an invalid new name.
 pub fn answer(documents: &Documents, method: &str, parameters: Value) -> Result<Value, Refusal> {
     match method {
         Completion::METHOD => completion(documents, read(parameters)?),
@@ -100,7 +100,7 @@ fn completion(documents: &Documents, parameters: CompletionParams) -> Result<Val
     let sign = parameters.context.and_then(|context| context.trigger_character);
     let Some((document, _, byte)) = on(documents, parameters.text_document_position) else { return Ok(Value::Null) };
     let (text, before) = (document.text(), &document.text()[..byte]);
-    // Of all braces only those of options ask for names.
+    // Of all braces only those of options trigger completion of names.
     if sign.as_deref() == Some("{") && !before.ends_with("#{") || sign.as_deref() == Some(":") && !before.ends_with("::") {
         return Ok(Value::Null);
     }

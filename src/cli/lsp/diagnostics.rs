@@ -1,4 +1,4 @@
-//! Messages of the language as those of the protocol.
+//! Conversion of messages of the language to those of the protocol.
 
 use std::time::Duration;
 
@@ -7,7 +7,7 @@ use lsp_types::{DiagnosticSeverity, NumberOrString, Position};
 use super::positions::range_of;
 use crate::script::{Diagnostic, Document, Place, Severity};
 
-/// Returns a message of a text: fault, causes and hints. What is wrong in a module stands at its import or call.
+/// Converts a message about a text: fault, causes and hints. Errors in a module are placed at its import or call.
 pub fn published(document: &Document, finding: &Diagnostic) -> lsp_types::Diagnostic {
     let own = |place: &&Place| document.is_own(place);
     let frames = finding.frames.iter().filter_map(|frame| frame.place.as_ref());
@@ -29,7 +29,7 @@ fn message(range: lsp_types::Range, severity: DiagnosticSeverity, code: Option<N
     lsp_types::Diagnostic::new(range, Some(severity), code, Some("conserva".into()), text, None, None)
 }
 
-/// Note at the first use of a result, behind which nothing is checked.
+/// Note at the first use of a result, after which only names are checked.
 pub fn stopped_note(document: &Document, place: &Place) -> lsp_types::Diagnostic {
     let range = if document.is_own(place) { range_of(&place.text, &place.range) } else { lsp_types::Range::default() };
     let text = "a result is used here; what follows depends on it and is checked by a run only".into();

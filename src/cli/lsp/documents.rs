@@ -1,4 +1,4 @@
-//! Open texts: which of them changed, and their checks.
+//! Open texts: changes since the last check, and checks.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -27,13 +27,13 @@ pub struct Documents {
     root: Option<PathBuf>,
     /// Time after which a check is stopped.
     patience: Duration,
-    /// True if the editor fills in placeholders of inserted texts.
+    /// True if the editor supports placeholders in inserted texts.
     pub has_snippets: bool,
     open: BTreeMap<String, Open>,
 }
 
 impl Documents {
-    /// No texts, for an editor with these abilities.
+    /// Set without texts, for an editor with these capabilities.
     pub fn new(editor: &InitializeParams, settings: Settings, patience: Duration) -> Self {
         let folder = editor.workspace_folders.as_ref().and_then(|folders| folders.first()).map(|folder| &folder.uri);
         #[allow(deprecated)] // what older editors send
@@ -49,7 +49,7 @@ impl Documents {
         self.open.get(uri.as_str()).map(|open| &open.document)
     }
 
-    /// Any text; all know the same language.
+    /// Any open text; the functions of the language are the same for all.
     pub fn any(&self) -> Option<&Document> {
         self.open.values().next().map(|open| &open.document)
     }
@@ -69,7 +69,7 @@ impl Documents {
         self.open.remove(uri.as_str());
     }
 
-    /// Opens or replaces a text; returns its mistakes if it cannot be compiled, so that nothing is left to check.
+    /// Opens or replaces a text; returns its errors if it cannot be compiled, so that no check is needed.
     pub fn change(&mut self, uri: &Uri, version: i32, text: &str) -> Option<PublishDiagnosticsParams> {
         if !self.open.contains_key(uri.as_str()) {
             let (name, home) = self.name_and_home(uri, text);
@@ -89,7 +89,7 @@ impl Documents {
         Some(PublishDiagnosticsParams::new(uri.clone(), found, Some(version)))
     }
 
-    /// Name of a text in messages, and the folder of its files: its own one, or that of the script to which its imports belong.
+    /// Name of a text in messages, and the folder of its files: its own folder, or for a module that of the importing script.
     fn name_and_home(&self, uri: &Uri, text: &str) -> (String, PathBuf) {
         let Some(file) = file_of(uri) else {
             return (uri.as_str().into(), self.root.clone().unwrap_or_else(|| ".".into()));
@@ -102,7 +102,7 @@ impl Documents {
         (file.display().to_string(), home.into())
     }
 
-    /// Checks a text that has changed; `None` if a message came in between, so that the check is repeated.
+    /// Checks a text that has changed; `None` if the check was interrupted by a message, so that it is repeated.
     pub fn check_next(&mut self) -> Option<PublishDiagnosticsParams> {
         let open = self.open.values_mut().find(|open| open.is_unchecked)?;
         open.is_unchecked = false;
@@ -116,7 +116,7 @@ impl Documents {
                 interrupt.store(true, Ordering::SeqCst);
             }
         };
-        // Without the thread a check ends by its operations.
+        // If the thread cannot be started, a check ends by its number of operations.
         let watching = std::thread::Builder::new().name("patience".into()).spawn(watch);
         let checked = open.document.check();
         drop((done, watching));

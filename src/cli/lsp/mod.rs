@@ -1,7 +1,7 @@
 //! `conserva lsp`: a language server over standard input and output, for editors.
 //!
-//! One thread answers, another one reads. Checks run while nothing is asked: a message interrupts the check, which begins again after the
-//! answer. Scripts are checked as `conserva check` does it: no step is taken, no file is written.
+//! One thread answers, another one reads. Checks run while there are no requests: a message interrupts the check, which restarts after the
+//! answer. Scripts are checked as by `conserva check`: no step is taken, no file is written.
 
 mod answers;
 mod diagnostics;
@@ -51,7 +51,7 @@ pub struct Arguments {
     memory: MemoryArguments,
 }
 
-/// Time without a message after which checks begin `[s]`: keys that are typed quickly cause one check.
+/// Time without a message after which checks begin `[s]`: fast typing causes one check.
 const CALM: Duration = Duration::from_millis(5);
 
 /// Runs the server until the editor ends it; returns the exit code.
@@ -75,7 +75,7 @@ pub fn serve(arguments: Arguments) -> u8 {
     }
 }
 
-/// Abilities of the server.
+/// Capabilities of the server.
 fn capabilities() -> ServerCapabilities {
     let triggers = |signs: &[&str]| Some(signs.iter().map(ToString::to_string).collect());
     ServerCapabilities {
@@ -103,10 +103,10 @@ fn capabilities() -> ServerCapabilities {
     }
 }
 
-/// Greets the editor and answers its messages.
+/// Initializes the connection to the editor and answers its messages.
 ///
 /// # Errors
-/// The cause in words if the editor breaks the protocol or goes away.
+/// A violation of the protocol, or a closed connection; as a text.
 fn converse(connection: Connection, settings: Settings, patience: Duration) -> Result<(), String> {
     let (id, parameters) = connection.initialize_start().map_err(|error| error.to_string())?;
     let parameters: InitializeParams = serde_json::from_value(parameters).unwrap_or_default();
@@ -123,7 +123,7 @@ fn converse(connection: Connection, settings: Settings, patience: Duration) -> R
             if sender.send(message).is_err() {
                 return;
             }
-            // After the message: a check that begins in between sees one of the two.
+            // The flag is set after the message, so that a check that begins in between detects one of the two.
             interrupt.store(true, Ordering::SeqCst);
         }
     };
@@ -146,7 +146,7 @@ impl Server {
                 true => messages.recv_timeout(CALM),
             };
             match message {
-                // The editor goes on with the notification `exit`.
+                // The editor continues with the notification `exit`.
                 Ok(Message::Request(request)) if request.method == "shutdown" => self.send(Response::new_ok(request.id, ()))?,
                 Ok(Message::Request(request)) => self.answer(request)?,
                 Ok(Message::Notification(note)) => {
@@ -177,7 +177,7 @@ impl Server {
         self.send(response)
     }
 
-    /// Takes a notification; others than those of open texts have no effect.
+    /// Handles a notification; those other than of open texts have no effect.
     fn note(&mut self, note: Notification) -> Result<(), String> {
         fn read<T: serde::de::DeserializeOwned>(note: Notification) -> Option<T> {
             serde_json::from_value(note.params).ok()
@@ -188,7 +188,7 @@ impl Server {
                 Some((of.uri, of.version, content_changes.into_iter().last()?.text))
             }),
             DidSaveTextDocument::METHOD => {
-                // A saved module may be imported by any other text.
+                // Another open text may import a saved module.
                 if read::<DidSaveTextDocumentParams>(note).is_some() {
                     self.documents.check_all();
                 }

@@ -1,11 +1,11 @@
-//! Places of the protocol: lines and UTF-16 units from 0, and files as addresses.
+//! Conversion of places to the protocol: lines and UTF-16 units from 0, and files as addresses.
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use lsp_types::{Position, Uri};
 
-/// Returns the byte of a position, that of the end of the line or text if the position lies behind.
+/// Returns the byte of a position; a position beyond the end of the line or text is moved to this end.
 pub fn byte_of(text: &str, position: Position) -> usize {
     let mut start = 0;
     for _ in 0..position.line {

@@ -80,7 +80,7 @@ impl Field {
         Field::ALL.iter().map(|row| row.0).chain([ACCELERATION]).chain(further).collect()
     }
 
-    /// True if stress, strain and motion that a recording keeps determine the field.
+    /// True if the field follows from the recorded stress, strain and motion.
     pub fn is_recorded(self) -> bool {
         match self {
             Field::Point(index) => POINT_FIELDS[index].is_of_stress,

@@ -1,5 +1,5 @@
-//! Bodies in space: the facets of their hull that face the viewer, far ones first (painter's algorithm), lightly shaded. Facets that
-//! intersect are not resolved. The cut faces of a section lie in front of all other facets.
+//! Bodies in space: the facets of their hull that face the viewer, distant ones first (painter's algorithm), lightly shaded. Intersecting
+//! facets are not resolved. The cut faces of a section are in front of all other facets.
 
 use std::collections::HashMap;
 

@@ -96,7 +96,7 @@ pub(super) fn triad_into(out: &mut Drawing, origin: Point, view: &View) {
         let stroke = Stroke::new(COLORS[axis], 2.0);
         out.line([origin, end], stroke);
         let length = right.hypot(up);
-        // An axis toward the viewer is a point; its name stands beside it.
+        // An axis toward the viewer is a point; its name is placed beside it.
         let way = if length > 0.05 { [right / length, up / length] } else { [-0.7, -0.7] };
         let at = [end[0] + 0.6 * TEXT * way[0], end[1] - 0.6 * TEXT * way[1] + 0.3 * TEXT];
         out.text(at, ["x", "y", "z"][axis], TEXT, Anchor::Middle);

@@ -1,4 +1,4 @@
-//! A plane body: filled contours, thin cell edges where there is room for them, an outline. Walls beside it.
+//! Plane bodies: filled contours, thin cell edges if there is room for them, an outline; rigid obstacles beside them.
 
 use std::collections::BTreeMap;
 

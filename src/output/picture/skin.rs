@@ -193,8 +193,8 @@ mod tests {
         sum
     }
 
-    /// The remainder of a block is closed for planes through cells and along their faces: the areas of hull and cut sum to zero, the area
-    /// of the cut is that of the section, and values are linear in the cut.
+    /// The remainder of a block is closed for planes through cells and along their faces: the area vectors of hull and cut sum to zero, the
+    /// area of the cut is that of the section, and values are linear in the cut.
     #[test]
     fn a_cut_closes_what_is_left() {
         let plain = block([4, 2, 2], [4.0, 1.0, 2.0]);
@@ -210,7 +210,7 @@ mod tests {
                 let faces = skin.faces.iter().map(|face| area(&skin, face));
                 let cut = faces.fold([0.0; 3], |sum, area| [0, 1, 2].map(|d| sum[d] + area[d]));
                 let hull = skin.facets.iter().map(|face| area(&skin, face)).fold([0.0; 3], |sum, area| [0, 1, 2].map(|d| sum[d] + area[d]));
-                // The section of 1 by 2 as seen along x, which the viewer sees from the front.
+                // Section of 1 by 2 along x, visible to the viewer from the front.
                 assert!((cut[0] - 2.0).abs() < 1e-12, "{kind:?} {point:?}: {cut:?}");
                 assert!((0..3).all(|d| (cut[d] + hull[d]).abs() < 1e-12), "{kind:?} {point:?}: {cut:?} {hull:?}");
                 for (x, value) in skin.points.iter().zip(skin.values(&values)) {

@@ -1,4 +1,4 @@
-//! Pictures as a reader of their SVG sees them.
+//! Tests of pictures by the elements of their SVG.
 
 use super::scale::{BANDS, Scale};
 use super::*;
@@ -7,12 +7,12 @@ use crate::dynamics::{BodyFields, LocalFrame, PlacedObstacle};
 use crate::output::drawing::{png, svg};
 use crate::output::samples::{block, ring, well_formed};
 
-/// The picture's text.
+/// SVG text of a picture.
 fn drawn(bodies: &[BodyFields], options: &PictureOptions) -> String {
     svg(&picture(bodies, &[], options))
 }
 
-/// A color as the text has it.
+/// Color in the notation of the text.
 fn hex([red, green, blue]: [u8; 3]) -> String {
     format!("#{red:02x}{green:02x}{blue:02x}")
 }
@@ -25,7 +25,7 @@ fn options(field: &str) -> PictureOptions {
     PictureOptions { panels: vec![panel(field)], title: "bearing, t = 0.5".into(), ..PictureOptions::default() }
 }
 
-/// One square cell of side 1, moved by (1, 0), with von Mises stresses 0, 0, 4 and 4 at the corners.
+/// Square cell of side 1, translated by (1, 0), with von Mises stresses 0, 0, 4 and 4 at the corners.
 fn cell() -> BodyFields {
     let mut body = ring("cell", [1.0, 2.0], [1, 4]);
     let mut mesh = (*body.mesh).clone();
@@ -45,7 +45,7 @@ fn a_cell_is_filled_up_to_each_level() {
     let group = svg.split("<title>cell</title>").nth(1).unwrap().split("</g>").next().unwrap();
     let paths: Vec<&str> = group.lines().filter(|line| line.starts_with("<path")).collect();
     assert_eq!(paths.len(), BANDS + 2);
-    // The region above a level is as wide as the cell and reaches from its upper side down to the level.
+    // The region above a level has the width of the cell and extends from its upper side down to the level.
     let numbers = |path: &str| -> Vec<i64> {
         let data = path.split('"').nth(1).unwrap().replace('-', " -");
         data.split(|c: char| !(c.is_ascii_digit() || c == '-')).filter_map(|word| word.parse().ok()).collect()
@@ -144,7 +144,7 @@ fn a_block_in_space_shows_three_sides() {
     let svg = drawn(&[body], &options("stress_xx"));
     well_formed(&svg);
     assert_eq!(svg.matches("stroke-opacity").count(), 3, "one set of edges for each visible facet");
-    // The corner toward the viewer has three sides in common; the three facets are seen at the same angle.
+    // The corner toward the viewer has three sides in common; the three facets have equal angles to the view.
     well_formed(&drawn(&[block([6, 2, 2], [3.0, 1.0, 1.0])], &options("von_mises")));
 }
 
@@ -157,12 +157,12 @@ fn obstacles_are_seen_with_their_names() {
     let text = svg(&picture(&bodies, &[ground.clone(), seal], &options("von_mises")));
     well_formed(&text);
     assert!(text.contains("<title>ground</title>") && text.contains("<title>groove &lt;seal&gt;</title>"));
-    // One that moves is drawn elsewhere.
+    // A moved obstacle is drawn at another place.
     let moved = PlacedObstacle { translation: [0.0, -0.4, 0.0], ..ground.clone() };
     let wall = |obstacle: PlacedObstacle| svg(&picture(&bodies, &[obstacle], &options("von_mises"))).len();
     assert!(wall(ground.clone()) > drawn(&bodies, &options("von_mises")).len());
     assert_ne!(picture(&bodies, &[moved], &options("von_mises")), picture(&bodies, std::slice::from_ref(&ground), &options("von_mises")));
-    // Far below it is not what the picture is about: the bodies stay as large as they were.
+    // Far below, the obstacle is not part of the picture: the bodies are drawn at unchanged size.
     let far = PlacedObstacle { translation: [0.0, -1e6, 0.0], ..ground };
     let size = |text: &str| text.lines().next().unwrap().to_string();
     let text = svg(&picture(&bodies, &[far], &options("von_mises")));

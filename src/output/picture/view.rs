@@ -47,7 +47,7 @@ impl View {
         let toward = unit(direction)?;
         let View { up: sky, toward: front, .. } = View::upright(axis);
         let level = |up: [f64; 3]| unit([0, 1, 2].map(|d| up[d] - dot(up, toward) * toward[d]));
-        // In a view straight from above, the vertical axis is no direction in the picture.
+        // In a view from straight above, the vertical axis has no direction in the picture.
         let up = if dot(sky, toward).abs() < 1.0 - FLAT { level(sky)? } else { level(negative(front))? };
         Some(View { right: cross(up, toward), up, toward })
     }
@@ -161,7 +161,7 @@ mod tests {
         assert!(near(top.up, [0.0, 1.0, 0.0]) && near(top.right, [1.0, 0.0, 0.0]));
         assert!(near(View::from_direction([0.0, 0.0, 5.0], 2).unwrap().up, [0.0, 1.0, 0.0]));
         assert!(near(View::from_direction([0.0, -2.0, 0.0], 2).unwrap().right, [1.0, 0.0, 0.0]));
-        // With `y` up one looks from +y at the top, and the front is +z.
+        // With `y` up the view from the top is along -y, and the front is +z.
         assert!(near(View::named("top", 1).unwrap().toward, [0.0, 1.0, 0.0]));
         assert!(near(View::named("front", 1).unwrap().toward, [0.0, 0.0, 1.0]));
         let third = 1.0 / 3f64.sqrt();

@@ -1,4 +1,4 @@
-//! Errors of files that are read back: the place and a hint.
+//! Errors of reading files: place and hint.
 
 use std::io;
 use std::path::{Path, PathBuf};

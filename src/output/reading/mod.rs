@@ -1,5 +1,5 @@
-//! Files of a run read back: tables, lists of frames, frames, the folder as a whole. Everything that a file claims is checked against
-//! its bytes, because a run may have been killed and files may have been edited.
+//! Reading of files of a run: tables, lists of frames, frames, the whole folder. All lengths and counts in a file are checked against its
+//! bytes, because a run may have been killed and files may have been edited.
 
 pub mod columns;
 pub mod error;

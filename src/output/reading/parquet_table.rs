@@ -1,4 +1,4 @@
-//! A Parquet file's columns, read back: enough to describe a file and to compare it with the table that it came from.
+//! Reading of the columns of a Parquet file, for its description and for comparison with the original table.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
@@ -15,7 +15,7 @@ use crate::machine::files;
 /// # Errors
 /// A file that cannot be read, is no Parquet file, or has columns that are no numbers.
 pub fn read_parquet(path: &Path) -> Result<Table, ReadError> {
-    // The crate checks most of what a file claims, and panics on some of the rest.
+    // The crate checks most of the content of a file, and panics on some errors.
     let read = catch_unwind(AssertUnwindSafe(|| read_columns(path)));
     read.unwrap_or_else(|_| Err(ReadError::damaged(path, "it contradicts itself")))
 }

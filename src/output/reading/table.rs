@@ -1,4 +1,4 @@
-//! `history.csv` and other tables of numbers, read back.
+//! Reading of `history.csv` and other tables of numbers.
 //!
 //! A killed run may leave an incomplete last line (`output/history_csv.rs`), which is left out and reported.
 

@@ -1,5 +1,5 @@
-//! Tags of the XML that this program writes: names, attributes, the text behind each. Not a reader of XML in general: no CDATA, no
-//! entities but the five of the standard, no check that tags are closed.
+//! Tags of the XML that this program writes: names, attributes, and the text after each. This is not a general XML reader: no CDATA, only
+//! the five standard entities, and no check that tags are closed.
 
 /// Name of VTK's information key for units of arrays.
 pub const UNITS_LABEL: &str = "UNITS_LABEL";

@@ -1,8 +1,8 @@
-//! `report.html`: a run in one page that opens without a network; and the same page while the run goes on.
+//! `report.html`: a run in one page that needs no network, and its variant that follows a run.
 //!
 //! The page is a template (`assets/`) with the data of the run: small data as JSON, large arrays of numbers compressed and in base64. The
-//! page's program builds it from these data alone, as text and never as markup, so that names cannot inject markup. Nothing depends on the
-//! clock, the machine or the folder: two runs of one script have equal reports.
+//! program of the page builds it from these data alone, as text and never as markup, so that names cannot inject markup. The page does not
+//! depend on the clock, the machine or the folder: two runs of one script have equal reports.
 //!
 //! A page that follows a run (`live.rs`, `news.rs`) has an additional part of the program, which requests updates from its server.
 

@@ -1,4 +1,4 @@
-//! The page as bytes: whole by itself, safe whatever names and texts say, and with the numbers of the run.
+//! Tests of the page as bytes: self-contained, safe for any names and texts, and with the numbers of the run.
 
 use std::collections::BTreeMap;
 use std::io::Read;
@@ -64,7 +64,7 @@ fn page() -> (String, Vec<LedgerRow>) {
     (String::from_utf8(super::report(&report)).unwrap(), rows)
 }
 
-/// The text of the element of that name.
+/// Text of the element with an identifier.
 fn content<'a>(page: &'a str, id: &str) -> &'a str {
     let start = page.find(&format!(" id=\"{id}\">")).unwrap() + id.len() + 7;
     &page[start..start + page[start..].find("</script>").unwrap()]
@@ -79,7 +79,7 @@ fn unpacked(page: &str, id: &str) -> Vec<u8> {
 #[test]
 fn nothing_is_loaded_from_elsewhere() {
     let (page, _) = page();
-    // The name of the language of drawings is no address from which anything comes.
+    // The namespace of SVG is not an address that is requested.
     let page = page.replace("\"http://www.w3.org/2000/svg\"", "");
     for word in ["http:", "https:", "src=", "@import", "url(", "fetch(", "XMLHttpRequest", "import(", "file:"] {
         assert!(!page.contains(word), "{word}");
@@ -124,7 +124,7 @@ fn stills_are_the_motion_to_the_last_of_65535_parts() {
     let expected: Vec<f64> = [0, 4, 8].map(|row: usize| rows[row].time).to_vec();
     assert_eq!(kept, expected, "after nine steps every fourth is kept where four are allowed");
     assert_eq!(data["chunks"], serde_json::json!([3]));
-    // The body falls as a whole: its displacement is -t^2/2 everywhere, exactly so by the midpoint's rule.
+    // The body falls as a whole: its displacement is -t^2/2 everywhere, exactly with the midpoint rule.
     let bytes = unpacked(&page, "stills-0");
     let (nodes, components) = (15, 8);
     let size = components * (8 + 2 * nodes) + 4;
@@ -149,7 +149,7 @@ fn a_recording_goes_on_from_its_copy_to_the_same_page() {
         recording.advanced(&simulation, row);
         let other: &mut Recording = copy.get_or_insert_with(|| recording.clone());
         if row > 1 {
-            // Through bytes and back at every step.
+            // Encoded and decoded at every step.
             *other = postcard::from_bytes(&postcard::to_stdvec(other).unwrap()).unwrap();
             other.advanced(&simulation, row);
         }

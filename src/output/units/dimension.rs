@@ -1,4 +1,4 @@
-//! Physical dimensions as functions and columns declare them, such as `force * length` or `mass/volume`.
+//! Physical dimensions of functions and columns, such as `force * length` or `mass/volume`.
 
 /// Physical dimension: exponents of mass, length and time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

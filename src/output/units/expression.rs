@@ -8,7 +8,7 @@ use super::unit::Unit;
 /// An expression that is no unit.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum UnitError {
-    /// A name that no unit has.
+    /// Unknown unit name.
     Unknown(String),
     /// Something else than names, `*`, `/`, `^` and parentheses, where it was expected.
     Malformed {
@@ -50,7 +50,7 @@ struct Reader<'a> {
     rest: &'a str,
 }
 
-/// Exponents written as raised digits.
+/// Digits of exponents as superscripts.
 const RAISED: &str = "⁰¹²³⁴⁵⁶⁷⁸⁹";
 
 impl Reader<'_> {
@@ -102,7 +102,7 @@ impl Reader<'_> {
         }
         let is_first = |letter: char| (letter.is_alphabetic() || "%°".contains(letter)) && !RAISED.contains(letter);
         let end = self.rest.find(|letter: char| !is_first(letter)).unwrap_or(self.rest.len());
-        // A name may end in a zero: `g0`.
+        // A name may end with a zero: `g0`.
         let end = if end > 0 && self.rest[end..].starts_with('0') { end + 1 } else { end };
         let (name, rest) = self.rest.split_at(end);
         if name.is_empty() {

@@ -1,7 +1,7 @@
-//! `units.json`: the units of a run beside its files, for programs that read them and for comparisons of runs.
+//! `units.json`: units of the files of a run, for programs that read them and for comparisons of runs.
 //!
-//! CSV has no place for units that every reader leaves alone, so they stand in a file of their own: the declared set, and the unit of each
-//! column of `history.csv` and of each field of the frames, as expressions such as `kg/m^3`. Pure numbers have no entry.
+//! Not all CSV readers skip comments, so the units are in a file of their own: the declared set, and the unit of each column of
+//! `history.csv` and of each field of the frames, as expressions such as `kg/m^3`. Pure numbers have no entry.
 
 use std::collections::BTreeMap;
 use std::path::Path;

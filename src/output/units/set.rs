@@ -90,7 +90,7 @@ impl UnitSet {
             }
             declared.push((name.as_ref().trim().into(), unit));
         }
-        // The wrong one of several units is the one without which most others agree; of two that may be wrong, that of mass.
+        // Of several units the inconsistent one is that without which most others agree; of two possible ones, that of mass.
         let is_of_mass = |k: usize| declared[k].1.dimension == BASE[0].1;
         let fits = |base: &[Scale; 3]| declared.iter().filter(|(_, unit)| size(unit.dimension, base).is(unit.scale)).count();
         let score = |(triple, base): &([usize; 3], [Scale; 3])| (fits(base), !triple.iter().any(|&k| is_of_mass(k)));
@@ -116,7 +116,7 @@ impl UnitSet {
         UnitSet { declared: Vec::new(), base: [Scale::ONE; 3] }
     }
 
-    /// The names of units that the name of a set stands for; `None` of other texts.
+    /// Names of the units in the name of a set; `None` for other texts.
     pub fn members(name: &str) -> Option<Vec<String>> {
         let known = SETS.iter().find(|(known, _)| known.eq_ignore_ascii_case(name));
         let joined = || name.contains('-').then(|| name.split('-').map(|unit| unit.trim().to_string()).collect());
@@ -179,7 +179,7 @@ impl UnitSet {
             let of = |dimension: Dimension| name_of(&Unit { dimension, scale: self.scale(dimension) });
             let [mass, length, time] = BASE.map(|(_, dimension)| of(dimension));
             let [masses, lengths, times] = dimension.0;
-            // What is static, such as an energy, is composed of forces.
+            // Static quantities, such as an energy, are composed of forces.
             let of_forces = || Some(product(&[(of(NAMED[3].1)?, masses), (length.clone()?, lengths - masses)]));
             let of_masses = || Some(product(&[(mass.clone()?, masses), (length.clone()?, lengths), (time.clone()?, times)]));
             (times == -2 * masses).then(of_forces).flatten().or_else(of_masses)
@@ -234,7 +234,7 @@ fn open(declared: &[(String, Unit)]) -> Vec<&'static str> {
     BASE.into_iter().filter(|(_, dimension)| !is_named(*dimension)).map(|(name, _)| name).collect()
 }
 
-/// A unit for people: with raised exponents and dots.
+/// Unit for display: with superscripts and dots.
 pub fn pretty(unit: &str) -> String {
     let mut text = String::new();
     let mut letters = unit.chars().peekable();
@@ -277,7 +277,7 @@ impl ModelUnits {
     }
 }
 
-/// True of quantities that grow with the thickness of a body, such as `force` and `mass * velocity`, not `stress` or `mass/volume`.
+/// True for quantities that grow with the thickness of a body, such as `force` and `mass * velocity`, not `stress` or `mass/volume`.
 fn is_extensive(dimension: &str) -> bool {
     let is_of_thickness = ["mass", "force", "energy", "area", "volume"].iter().any(|name| dimension.starts_with(name));
     is_of_thickness && !["/volume", "/area"].iter().any(|density| dimension.contains(density))

@@ -36,7 +36,7 @@ const VOLUME: [i32; 3] = [0, 3, 0];
 const POUND: Scale = Scale::new(45_359_237.0, -8);
 const POUND_FORCE: Scale = Scale::new(44_482_216_152_605.0, -13);
 
-/// All units; of several of one size the first is the one that messages and files name.
+/// All units; of several units with equal size, messages and files use the first one.
 const UNITS: &[Row] = &[
     metric("m", LENGTH, Scale::ONE),
     unit("in", LENGTH, Scale::new(254.0, -4)),
@@ -73,7 +73,7 @@ const UNITS: &[Row] = &[
     unit("g0", [0, 1, -2], Scale::new(980_665.0, -5)),
 ];
 
-/// Prefixes in the order in which names are made of them.
+/// Prefixes in the order of preference for names.
 const PREFIXES: &[(&str, i32)] =
     &[("k", 3), ("m", -3), ("M", 6), ("G", 9), ("u", -6), ("µ", -6), ("μ", -6), ("n", -9), ("T", 12), ("c", -2), ("d", -1), ("h", 2)];
 
