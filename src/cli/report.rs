@@ -10,7 +10,7 @@ use super::process::exit_code;
 use crate::output::{OutputError, ReadError, ReportPage, RunFiles, RunFolder, labels, report_of_several};
 use crate::script::{Class, Diagnostic};
 
-/// Largest number of runs on a page: as many as there are colors that the eye tells apart.
+/// Largest number of runs on a page: the number of clearly distinguishable colors.
 const MOST: usize = 6;
 
 /// Arguments of `conserva report`.

@@ -102,10 +102,10 @@ pub enum MeshError {
     Memory {
         /// Number of cells requested.
         cells: usize,
-        /// The bytes that they take, and those that there are.
+        /// Required and available memory `[bytes]`.
         shortage: Shortage,
     },
-    /// Cells that cannot be made of a mesh's cells.
+    /// Cells of a kind into which the cells of the mesh cannot be converted.
     #[error("cells of the kind {to} cannot be made of cells of the kind {from}")]
     NoConversion {
         /// Kind of the mesh.
@@ -243,7 +243,7 @@ pub enum MeshError {
         /// Number of cells.
         count: usize,
     },
-    /// Cells that cannot be drawn out into space.
+    /// Cells that cannot be extruded.
     #[error("a mesh of {kind} cells cannot be extruded")]
     Extruded {
         /// Kind of the cells.
@@ -332,7 +332,7 @@ pub enum MeshError {
         /// Names that exist.
         available: Vec<String>,
     },
-    /// A boundary that is to be named like one that there is.
+    /// A new boundary with the name of an existing one.
     #[error("the mesh already has a boundary \"{name}\"; its boundaries are {}", listed(.available))]
     BoundaryExists {
         /// The name.

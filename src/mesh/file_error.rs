@@ -80,7 +80,7 @@ pub enum FileProblem {
         /// Entries announced; equal to `found` when only the closing line is missing.
         announced: usize,
     },
-    /// A section whose number of entries is not the one that it announces.
+    /// A section whose number of entries differs from the announced number.
     #[error("section {section} announces {announced} entries but has {}", more_or(*.found, *.announced))]
     Count {
         /// Name of the section.
@@ -280,7 +280,7 @@ pub enum FileProblem {
         /// Number of elements of the type.
         count: usize,
     },
-    /// A keyword without a parameter that it needs.
+    /// A keyword without a required parameter.
     #[error("the keyword *{keyword} needs the parameter {parameter}")]
     MissingParameter {
         /// The keyword.

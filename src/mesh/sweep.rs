@@ -32,7 +32,7 @@ pub enum Prisms {
     Kept,
 }
 
-/// Solid kind of a plane kind, and the number of such cells over one plane cell in a layer.
+/// Kind of the solid cells extruded from a plane kind, and their number per plane cell and layer.
 fn solid_kind(kind: CellKind, keeps_prisms: bool) -> Result<(CellKind, usize), MeshError> {
     Ok(match (kind, keeps_prisms) {
         (CellKind::Quad4, _) => (CellKind::Hex8, 1),

@@ -46,7 +46,7 @@ pub fn braille_plot(title: &str, variable: &str, x: &[f64], columns: &[(&str, &[
             }
             (last, end) = (Some(dot), Some(dot.1 / 4));
         }
-        // The name stands at the end of the curve, or in the nearest free line.
+        // The name is printed at the end of the curve, or in the nearest free line.
         if let Some(end) = end {
             let free = (0..HEIGHT).filter(|&line| names[line].is_none()).min_by_key(|line| line.abs_diff(end));
             free.into_iter().for_each(|line| names[line] = Some(curve));

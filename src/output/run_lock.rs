@@ -1,6 +1,6 @@
 //! The lock on the folder of a run: one process at a time writes there.
 //!
-//! While a run goes on, `.lock` in its folder is locked (`flock`, also across machines on a shared file system). The file names the process
+//! During a run, `.lock` in its folder is locked (`flock`, also across machines on a shared file system). The file names the process
 //! and is removed with the end of the run. Locks end with their process, so the file of a killed process has no effect.
 
 use std::fs::{self, File, TryLockError};
@@ -119,7 +119,7 @@ fn locked(file: &File) -> io::Result<bool> {
             Ok(()) => break,
             Err(TryLockError::WouldBlock) if attempt < ATTEMPTS => std::thread::sleep(MOMENT),
             Err(TryLockError::WouldBlock) => return Ok(false),
-            // Without locks of the file system, the run goes on unprotected.
+            // Without file locks of the file system, the run continues unprotected.
             Err(TryLockError::Error(error)) if error.kind() == io::ErrorKind::Unsupported => break,
             Err(TryLockError::Error(error)) => return Err(error),
         }

@@ -1,4 +1,4 @@
-//! Frames of a simulation, encoded and written by a thread of their own, in order, while the solver goes on.
+//! Frames of a simulation, encoded and written in order by a separate thread, in parallel with the solver.
 //!
 //! The queue holds [`AHEAD`] frames; further calls wait, so that memory is bounded. The thread runs while there are frames to write:
 //! [`FieldWriter::wait`] and dropping the writer end it; the former returns the series. Errors of the operating system are returned by the

@@ -78,7 +78,7 @@ fn quadrature(row: &CellRow) {
     assert!((rule(&next) - exact(row, &next)).abs() > 1e-4, "{}", row.name);
 }
 
-/// Determinant of the Jacobian of the reference cell: 1 but in a pyramid.
+/// Determinant of the Jacobian of the reference cell: 1 except in a pyramid.
 fn determinant(row: &CellRow, xi: [f64; 3]) -> f64 {
     if row.dimension == 2 {
         return 1.0;

@@ -128,7 +128,7 @@ fn frames_of_others_stay_and_lists_are_not_followed_out_of_their_folder() {
     }
 }
 
-/// After a way back the files follow the history, at every moment of an interrupt.
+/// After a return to a saved state, frames on disk match the history table; none of the discarded steps remain.
 #[test]
 fn frames_follow_the_history_when_a_simulation_goes_back() {
     let script = SHORT

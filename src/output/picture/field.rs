@@ -49,7 +49,7 @@ pub enum Component {
 }
 
 impl Field {
-    /// Fields that recordings and reports know, with their names in scripts and in words.
+    /// Fields of recordings and reports, with their names in scripts and their titles.
     pub const ALL: &'static [(&'static str, &'static str, Field)] = &[
         ("von_mises", "von Mises stress", Field::VonMises),
         ("pressure", "pressure (−tr σ / 3)", Field::Pressure),

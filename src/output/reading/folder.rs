@@ -15,7 +15,7 @@ const DEPTH: usize = 32;
 pub struct RunFolder {
     /// The folder.
     pub path: PathBuf,
-    /// Content of `summary.json`; `None` if the run was killed or goes on.
+    /// Content of `summary.json`; `None` if the run was killed or is still running.
     pub summary: Option<Value>,
 }
 

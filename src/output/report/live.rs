@@ -41,7 +41,7 @@ pub struct LiveModel {
     pub marks: Vec<Mark>,
 }
 
-/// Description of a simulation's problem in the report; a script may extend the description while the run goes on.
+/// Description of a simulation's problem in the report; a script may extend the description during the run.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LiveProblem {
     /// Names and texts of the script and its modules, the script first.
@@ -116,7 +116,7 @@ pub struct Shared {
     pub warnings: (u64, Vec<String>),
     /// Current activity of the run.
     pub doing: Activity,
-    /// Outcome; `None` while the run goes on.
+    /// Outcome; `None` during the run.
     pub outcome: Option<LiveOutcome>,
 }
 

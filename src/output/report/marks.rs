@@ -32,13 +32,13 @@ pub struct Mark {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum MarkPlace {
-    /// Sum of the positions of nodes with shares.
+    /// Weighted sum of the positions of nodes.
     Nodes {
         /// Index of the body.
         body: usize,
         /// Places of the nodes among the recorded nodes of the body; of a facet counterclockwise around its outward normal.
         nodes: Vec<u32>,
-        /// Shares of the nodes, which add up to 1.
+        /// Weights of the nodes; their sum is 1.
         shares: Vec<f32>,
     },
     /// Fixed point.

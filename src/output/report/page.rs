@@ -36,7 +36,7 @@ const DERIVED: [&str; 4] = ["principal_1", "principal_2", "principal_3", "tresca
 pub struct Report<'a> {
     /// Name of the simulation.
     pub name: String,
-    /// Outcome of the run in words; `None` while the run goes on.
+    /// Outcome of the run in words; `None` during the run.
     pub outcome: Option<String>,
     /// True if the run ended as intended.
     pub is_well: bool,
@@ -46,7 +46,7 @@ pub struct Report<'a> {
     pub scripts: Vec<(String, String)>,
     /// Values of `param(...)` by name.
     pub parameters: BTreeMap<String, Value>,
-    /// Lines at the top of the page: what was computed, how it ended, peaks, energy; empty while the run goes on.
+    /// Lines at the top of the page: what was computed, how it ended, peaks, energy; empty during the run.
     pub summary: Vec<[String; 2]>,
     /// Tables of the model: bodies, supports, loads, time integration; results and checks.
     pub tables: Vec<ReportTable>,

@@ -194,7 +194,7 @@ fn fft() -> Function {
                 return Err(too_short(call, "at least one number"));
             }
             let (n, spectrum) = (values.len(), fourier(&values));
-            // Every spectral line stands for a pair of conjugate ones, except the first, and for an even number of values the last.
+            // Every spectral line represents a conjugate pair, except the first and, for an even number of values, the last.
             let pairs = |k: usize| if k == 0 || 2 * k == n { 1.0 } else { 2.0 };
             let mut found = Map::new();
             let mut put = |name: &str, values: Array| found.insert(name.into(), values.into());

@@ -13,7 +13,7 @@ use super::sources::{Place, Sources};
 pub struct Message {
     /// Kind of failure.
     pub class: Class,
-    /// True for a warning, after which the script goes on.
+    /// True for a warning, after which the script continues.
     is_warning: bool,
     code: String,
     title: String,

@@ -83,7 +83,7 @@ pub trait Observer {
     fn print(&self, line: &str);
     /// Reports a check that holds, with its measured value.
     fn passed(&self, line: &str);
-    /// Reports a warning; the run goes on.
+    /// Reports a warning; the run continues.
     fn warn(&self, warning: &Diagnostic);
     /// An accepted step.
     fn advanced(&self, progress: &Progress);

@@ -4,7 +4,7 @@ use conserva::integrators;
 
 use super::{Case, Expected, pick, promised_figures, random_of, scaled, whole};
 
-/// Integrators that support friction, and whether they bound the energy of motions without drive.
+/// Integrators that support friction; true for those that bound the energy of a motion without external work.
 pub const INTEGRATORS: [(&str, bool); 14] = [
     ("energy_momentum()", true),
     ("mean_value()", true),

@@ -1,6 +1,6 @@
 //! Checks: expectations of a script on its results. A check that holds reports what it measured; one that fails ends the script.
 //!
-//! Checks that run a scenario several times stand in `studies/`.
+//! Checks that run a scenario several times are in `studies/`.
 
 use crate::script::language::function::Function;
 

@@ -1,4 +1,4 @@
-//! Models: bodies, supports, loads. Contact stands in `contacts/`.
+//! Models: bodies, supports, loads. Contact is in `contacts/`.
 
 use crate::script::language::function::Function;
 

@@ -55,7 +55,7 @@ impl Journal {
         pages.earlier.as_mut().map_or(Ok(None), |reader| reader.take().map_err(|error| unreadable(&error)))
     }
 
-    /// Writes a checkpoint of all simulations. A checkpoint that cannot be written is reported once, and the run goes on.
+    /// Writes a checkpoint of all simulations. A checkpoint that cannot be written is reported once, and the run continues.
     ///
     /// # Errors
     /// A result that cannot be written.
