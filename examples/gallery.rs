@@ -5,7 +5,7 @@
 //! cargo run --release --example gallery bearing      only those whose path contains the word; the others keep their pictures
 //! ```
 //!
-//! `tests/gallery.rs` checks that every script stands in the gallery with a picture.
+//! `tests/gallery.rs` checks that every script is in the gallery with a picture.
 
 use std::error::Error;
 use std::fmt::Write as _;

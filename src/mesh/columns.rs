@@ -45,7 +45,7 @@ impl From<MeshError> for Trouble {
     }
 }
 
-/// Layers along the pieces of the rim with one of their names; stacks stand on halves of pieces if `halves` is 2, else on pieces.
+/// Layers along all pieces of the rim with one of their names. A stack of cells is on half a piece if `halves` is 2, otherwise on a piece.
 ///
 /// # Errors
 /// Layers that leave no room, corners that are too sharp, an odd number of layers that end within the body of quadrilaterals.

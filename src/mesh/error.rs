@@ -263,7 +263,7 @@ pub enum MeshError {
         /// Minimum number of points.
         least: usize,
     },
-    /// Two points of a path that follow each other coincide.
+    /// Two coincident consecutive points of a path.
     #[error("the points {point} and {} of the path are at the same place, {}", point + 1, spot(.at))]
     PathStands {
         /// Number of the first of the two points, from 1.

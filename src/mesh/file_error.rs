@@ -330,7 +330,7 @@ fn readable_cells() -> String {
     }
 }
 
-/// A count that falls short, or that there is more than announced.
+/// Number of entries found; the word `more` if there are more than announced.
 fn more_or(found: usize, announced: usize) -> String {
     if found > announced { "more".into() } else { found.to_string() }
 }

@@ -28,7 +28,7 @@ pub fn region<E: From<MeshError>>(outline: &[Side], holes: &[Vec<Side>], size: C
 /// kinds. Second-order cells follow the curved boundary at all levels.
 ///
 /// # Errors
-/// Errors of [`region`]; boundaries that there are not, layers that leave no room, corners that they cannot go round.
+/// Errors of [`region`]; unknown boundaries, layers that leave no room for cells, corners too sharp for layers.
 pub fn layered_region<E: From<MeshError>>(
     outline: &[Side],
     holes: &[Vec<Side>],

@@ -26,7 +26,7 @@ use crate::math::tolerances::SAME_MOMENT;
 pub struct Exactness {
     /// Largest difference relative to the scale that counts as equal.
     pub tolerance: f64,
-    /// Names of columns and fields that are left out; `*` stands for anything.
+    /// Names of columns and fields that are left out; `*` matches any text.
     pub ignored: Vec<String>,
 }
 
@@ -36,7 +36,7 @@ impl Exactness {
     }
 }
 
-/// True if `name` matches `pattern`, in which `*` stands for any text.
+/// True if `name` matches `pattern`, in which `*` matches any text.
 fn matches(pattern: &str, name: &str) -> bool {
     match pattern.split_once('*') {
         None => pattern == name,

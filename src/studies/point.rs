@@ -151,8 +151,8 @@ fn told(error: &Diagnostic) -> String {
     format!("{place}{}{cause}", error.title)
 }
 
-/// Adds steps and drifts from `summary.json` to the record. A completed run whose summary says that energy was not conserved gets that
-/// outcome, with `energy`, the energy changes by cause, as explanation.
+/// Adds steps and drifts from `summary.json` to the record. A completed run whose summary reports that energy was not conserved gets
+/// that outcome, with `energy`, the energy changes by cause, as explanation.
 fn filled(mut record: Record, folder: &Path, energy: &[String]) -> Record {
     let Ok(summary) = read_summary(&folder.join(SUMMARY)) else { return record };
     if record.outcome == RecordOutcome::Completed && summary.get("outcome").and_then(Value::as_str) == Some(NOT_CONSERVING) {

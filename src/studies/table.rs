@@ -7,12 +7,12 @@ use super::plan::Plan;
 use super::record::{BALANCE, Record};
 use crate::output::{Column, TableField, TextColumn, csv_field, parquet_of};
 
-/// Column of numbers or words.
+/// Column of numbers or texts.
 #[derive(Clone, Debug, PartialEq)]
 pub enum StudyColumn {
-    /// Numbers.
+    /// Column of numbers.
     Numbers(Column),
-    /// Words.
+    /// Column of texts.
     Texts(TextColumn),
 }
 

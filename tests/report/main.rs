@@ -45,7 +45,7 @@ fn run(folder: &Path, script: &str, out: &str) -> PathBuf {
     out
 }
 
-/// Browser, or a message that there is none.
+/// Starts the browser; prints a message and returns `None` if no browser is found.
 fn browser(folder: &Path) -> Option<Browser> {
     let browser = Browser::start(&folder.join("profile"));
     if browser.is_none() {

@@ -1,4 +1,4 @@
-//! Answers to requests: the page and its updates, only for readers who know the address.
+//! Answers to requests for the page and its updates, only at the complete address.
 //!
 //! The address contains a secret, unknown to other users of the machine and to other pages. A page under another name that resolves to this
 //! machine is refused by the header `Host`.

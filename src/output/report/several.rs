@@ -101,7 +101,7 @@ fn page_in(path: &Path) -> Result<PathBuf, ReadError> {
     })
 }
 
-/// Returns labels of runs that tell them apart: the ends of their paths, as short as possible.
+/// Returns distinct labels of runs: the ends of their paths, as short as possible.
 pub fn labels(paths: &[PathBuf]) -> Vec<String> {
     let folder = |path: &PathBuf| if path.ends_with(NAME) { path.parent().unwrap_or(path).to_path_buf() } else { path.clone() };
     let parts =

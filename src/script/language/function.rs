@@ -175,7 +175,7 @@ impl<'a> Call<'a> {
         self.context.call_position()
     }
 
-    /// Name of the source in which the call stands.
+    /// Name of the source that contains the call.
     pub fn source(&self) -> String {
         self.context.call_source().unwrap_or_default().to_string()
     }

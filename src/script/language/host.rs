@@ -1,7 +1,7 @@
 //! Data that a session shares with the functions of its scripts: files, texts, warnings, the interrupt, a slot for each topic of the API.
 //!
 //! The host has the state common to all scripts: check or run, interrupt, warnings already given. State of a topic of the API (simulations,
-//! values of `param`) is stored in `slots`, whose types the host does not know.
+//! values of `param`) is stored in `slots`, whose types are opaque to the host.
 
 #![allow(deprecated)] // the engine marks its persistent call context as volatile, not as obsolete
 

@@ -229,7 +229,7 @@ impl Document {
         self.warnings.0.take()
     }
 
-    /// Calls `ask` with the names that are known at a byte.
+    /// Calls `ask` with the names that are visible at a byte position.
     fn words<T>(&self, byte: usize, ask: impl FnOnce(&Words) -> T) -> T {
         let (engine, registry) = (self.reader.engine.borrow(), self.reader.registry());
         let (scope, mut unknown) = (self.known_values(byte), BTreeMap::new());

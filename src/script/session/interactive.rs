@@ -324,7 +324,7 @@ impl Interactive {
         }
     }
 
-    /// The rest of the signature of the call at the cursor, which stands at the end of `before`.
+    /// The rest of the signature of the call at the cursor; `before` is the text before the cursor.
     pub fn hint(&self, before: &str) -> Option<String> {
         self.words(|words| words.hint(before))
     }

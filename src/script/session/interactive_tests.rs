@@ -370,7 +370,7 @@ fn the_record_of_a_long_exploration_runs_to_the_same_bytes() {
         simulations[number].0.history.borrow().rows(0, usize::MAX).iter().map(|row| format!("{row:?}")).collect()
     };
     assert_eq!(rows(0), first);
-    // the branch of the interrupted loop, and the simulations that the interrupted entry made and changed
+    // More simulations: the branch of the interrupted loop, and those that the interrupted entry made or changed.
     assert!(simulations.len() > 3, "{script}");
     for number in 1..simulations.len() {
         assert_eq!(rows(number), history_of(&session, number), "simulation {number}:\n{script}");

@@ -54,7 +54,7 @@ pub struct Report {
     pub energy: Vec<String>,
     /// True if all simulations conserved their energy, apart from loads and contact.
     pub is_conserving: bool,
-    /// True if a warning says that the results should not be trusted.
+    /// True if a warning reports unreliable results.
     pub is_doubtful: bool,
 }
 

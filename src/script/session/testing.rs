@@ -158,7 +158,7 @@ pub fn home(script: &Path) -> &Path {
 pub struct TestFile {
     /// Tests, in the order of the file.
     pub cases: Vec<TestCase>,
-    /// Warnings of functions that look like tests but are not.
+    /// Warnings of functions that are named like tests but are not run.
     pub warnings: Vec<Diagnostic>,
 }
 

@@ -262,7 +262,7 @@ pub fn run(scene: &Scene, watch: &mut dyn FnMut(&Record)) -> Outcome {
 /// A simulation of the scene.
 ///
 /// # Errors
-/// What the kernels say about the model.
+/// Errors of the kernels for the model.
 pub fn simulate(scene: &Scene) -> Result<Simulation, String> {
     simulate_with_reach(scene, 1.0)
 }
@@ -278,7 +278,7 @@ fn simulate_with_reach(scene: &Scene, reach: f64) -> Result<Simulation, String> 
 /// large; a failed step is compared by its error.
 ///
 /// # Errors
-/// What the kernels say about the model.
+/// Errors of the kernels for the model.
 pub fn first_difference(scene: &Scene, reach: f64) -> Result<Option<usize>, String> {
     let mut sims = [simulate(scene)?, simulate_with_reach(scene, reach)?];
     let bits = |values: &[f64]| values.iter().map(|x| x.to_bits()).collect::<Vec<_>>();

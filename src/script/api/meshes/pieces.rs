@@ -97,7 +97,7 @@ fn part_where() -> Function {
     }
 }
 
-/// Adds a boundary of the facets found to the mesh of a call; warns if there are none.
+/// Adds a boundary of the facets found to the mesh of a call; warns if no facet is found.
 fn added(call: &Call, find: impl FnOnce(&Mesh) -> Vec<Facet>, hint: &str) -> Result<Dynamic, Box<EvalAltResult>> {
     let handle = call.receiver::<MeshHandle>();
     let (name, mesh) = (call.name("name")?, handle.mesh());

@@ -1,4 +1,4 @@
-//! Options that say to which axis and direction components of stresses and strains belong.
+//! Options for the local frame (axis and direction) of stress and strain components.
 
 use crate::dynamics::{LocalFrame, Model};
 use crate::script::language::arguments::{Arguments, Options};

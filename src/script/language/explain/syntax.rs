@@ -1,4 +1,4 @@
-//! Texts that do not parse.
+//! Messages on syntax errors.
 
 use rhai::{LexError, ParseErrorType};
 
