@@ -1,8 +1,8 @@
 //! Models for random scripts other than elastic bodies in the plane, each with statements that read its results: machines, bodies in space,
 //! statics, moving obstacles.
 //!
-//! Placeholders in texts: `{m}` is the variable of the model, `{b}` that of its first body, `{s}` that of the simulation, and `{x}` a suffix
-//! for the uniqueness of further names.
+//! Placeholders in texts: `{m}` is the variable of the model, `{b}` that of its first body, `{s}` that of the simulation, and `{x}` a
+//! suffix for the uniqueness of further names.
 
 /// A model with statements that read its results.
 pub struct Scene {
