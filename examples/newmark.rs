@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use conserva::dynamics::{End, Model, Options, Simulation, SpringDefinition, SpringElement, SpringLaw};
 use conserva::integrators::{
-    Affine, ConservedQuantities, Derivative, Dissipation, History, Lag, LeadingError, Parameters, Scheme, StepKind,
+    ConservedQuantities, Derivative, Dissipation, History, LagWeights, LeadingError, Parameters, Scheme, StepKind, UpdateCoefficients,
 };
 use conserva::materials::NeoHookean;
 use conserva::mesh::rectangle;
@@ -21,11 +21,11 @@ pub const fn newmark(name: &'static str, beta: f64, gamma: f64) -> Scheme {
         summary: "Newmark's method",
         derivative: Derivative::AT_END,
         remembers: &[History::Acceleration, History::Force],
-        velocity: Affine { moved: gamma / beta, velocity: 1.0 - gamma / beta, acceleration: 1.0 - 0.5 * gamma / beta },
-        acceleration: Affine { moved: 1.0 / beta, velocity: -1.0 / beta, acceleration: 1.0 - 0.5 / beta },
+        velocity: UpdateCoefficients { moved: gamma / beta, velocity: 1.0 - gamma / beta, acceleration: 1.0 - 0.5 * gamma / beta },
+        acceleration: UpdateCoefficients { moved: 1.0 / beta, velocity: -1.0 / beta, acceleration: 1.0 - 0.5 / beta },
         // `M a = -f` at both ends, so that forces have the weights of the accelerations.
         weight: gamma,
-        lag: Lag::once(gamma),
+        lag: LagWeights::once(gamma),
         step: StepKind::Whole,
         dissipation: Dissipation::NONE,
         averages_stress: false,

@@ -186,7 +186,9 @@ impl Reader<'_> {
             TextTokenKind::Sign('|') => return self.bar(index),
             TextTokenKind::Name => return self.name(index, calls),
             // `Fn("name")`
-            TextTokenKind::Text { closed: true } if index > 1 && self.is(index - 1, TextTokenKind::Open('(')) && self.word(index - 2) == "Fn" => {
+            TextTokenKind::Text { closed: true }
+                if index > 1 && self.is(index - 1, TextTokenKind::Open('(')) && self.word(index - 2) == "Fn" =>
+            {
                 let range = self.range(index);
                 calls.push(range.start + 1..range.end.saturating_sub(1).max(range.start + 1));
             }
@@ -388,7 +390,8 @@ impl Reader<'_> {
     /// Records the use of a name, unless it is the key of a map.
     fn used(&mut self, index: usize, before: Option<TextTokenKind>, calls: &mut Vec<Range<usize>>) {
         let follows = self.kind(index + 1);
-        let is_key = matches!(before, Some(TextTokenKind::Open('#') | TextTokenKind::Sign(','))) && follows == Some(TextTokenKind::Sign(':'));
+        let is_key =
+            matches!(before, Some(TextTokenKind::Open('#') | TextTokenKind::Sign(','))) && follows == Some(TextTokenKind::Sign(':'));
         if is_key {
             return;
         }

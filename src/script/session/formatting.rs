@@ -53,7 +53,10 @@ pub fn formatted(text: &str) -> String {
         at = end;
     }
     // The text after an unclosed quote is part of the string.
-    if pieces.last().is_some_and(|last| matches!(last.kind, TextTokenKind::Text { closed: false } | TextTokenKind::Comment { closed: false })) {
+    if pieces
+        .last()
+        .is_some_and(|last| matches!(last.kind, TextTokenKind::Text { closed: false } | TextTokenKind::Comment { closed: false }))
+    {
         return text.to_string();
     }
     let kept = result.trim_end().len();
