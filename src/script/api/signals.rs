@@ -237,6 +237,6 @@ fn cfc_filter() -> Function {
     )
 }
 
-/// Largest filter class times sampling interval; beyond it the filter frequency exceeds half the sampling frequency. SAE J211 requires less
-/// than half of this value.
+/// Largest filter class times sampling interval: the filter frequency, 2.0775 times the class, is then 0.83 of half the sampling frequency.
+/// SAE J211 requires 0.1 at most.
 const HIGHEST: f64 = 0.2;
