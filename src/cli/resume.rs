@@ -8,7 +8,7 @@ use clap::Args;
 use super::console::{complain, ink};
 use super::memory::MemoryArguments;
 use super::process::exit_code;
-use super::run::{CourseArguments, RunObservers};
+use super::run::{RunControlArguments, RunObservers};
 use super::signals::interrupt;
 use crate::output::checkpoint::{self, Checkpoint, CheckpointError, Origin};
 use crate::output::{CountedFile, OutputError, RunLock, SUMMARY};
@@ -26,7 +26,7 @@ pub struct Arguments {
     #[arg(long)]
     anyway: bool,
     #[command(flatten)]
-    course: CourseArguments,
+    course: RunControlArguments,
     #[command(flatten)]
     memory: MemoryArguments,
 }
@@ -151,7 +151,7 @@ fn attempt(arguments: &Arguments) -> Result<u8, Box<Diagnostic>> {
     watch.begin(&script, &run, arguments.course.threads, &settings.overrides);
     let mut session = Session::new(settings, home(&script), watch.observer())?;
     watch.console.note(&format!("resuming{}", checkpoint.reached()));
-    checkpoint::bring_back(&out, &aside).map_err(|error| unwritten(&error))?;
+    checkpoint::restore_files(&out, &aside).map_err(|error| unwritten(&error))?;
     let resumed = session.resume(&out, checkpoint, lock);
     resumed.map_err(|error| Box::new(refusal("the journal of the run cannot be read").cause(error.to_string())))?;
     let report = session.run_file(&script);

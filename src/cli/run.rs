@@ -26,12 +26,12 @@ pub struct Arguments {
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     #[command(flatten)]
-    course: CourseArguments,
+    course: RunControlArguments,
 }
 
 /// How a run goes on, whatever it computes: what `run` and `resume` take.
 #[derive(Args)]
-pub struct CourseArguments {
+pub struct RunControlArguments {
     /// Threads of the element loop; results do not depend on it
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = threads)]
     pub threads: u16,
@@ -136,7 +136,7 @@ impl RunObservers {
     ///
     /// # Errors
     /// A log that cannot be written, a page that cannot be served.
-    pub fn new(course: &CourseArguments, out: &Path) -> Result<Self, Box<Diagnostic>> {
+    pub fn new(course: &RunControlArguments, out: &Path) -> Result<Self, Box<Diagnostic>> {
         let console = Rc::new(Console::new(course.quiet || course.log == Some(LogTarget::StandardError)));
         let log = course.log.as_ref().map(|target| JsonLog::open(target, console.clone())).transpose()?.map(Rc::new);
         let page = course.watch.map(|port| LivePage::open(port, out.display().to_string())).transpose()?;

@@ -52,14 +52,14 @@ impl From<MeshError> for Trouble {
 pub(super) fn layered(rim: &Rim, layers: &Layers, halves: usize) -> Result<Layered, MeshError> {
     let levels = layers.levels();
     let scaled = |share: f64| levels.iter().map(|level| share * level).collect::<Vec<f64>>();
-    match Growth::of(rim, layers, scaled(1.0), halves) {
+    match LayerBuilder::of(rim, layers, scaled(1.0), halves) {
         Ok(layered) => Ok(layered),
         Err(Trouble::Refused(error)) => Err(error),
         Err(Trouble::Collision(near)) => {
             let (mut low, mut high) = (0.0, 1.0);
             for _ in 0..12 {
                 let middle = 0.5 * (low + high);
-                if Growth::of(rim, layers, scaled(middle), halves).is_ok() { low = middle } else { high = middle }
+                if LayerBuilder::of(rim, layers, scaled(middle), halves).is_ok() { low = middle } else { high = middle }
             }
             let thickness = layers.thickness();
             Err(MeshError::LayersCollide { names: layers.quoted(), thickness, room: low * thickness, near })
@@ -91,7 +91,7 @@ fn turn(from: Point, to: Point) -> f64 {
 }
 
 /// Construction of layers along the rim.
-struct Growth<'a> {
+struct LayerBuilder<'a> {
     rim: &'a Rim,
     names: String,
     levels: Vec<f64>,
@@ -104,10 +104,10 @@ struct End {
     along: Option<(usize, Vec<f64>)>,
 }
 
-impl Growth<'_> {
+impl LayerBuilder<'_> {
     fn of(rim: &Rim, layers: &Layers, levels: Vec<f64>, halves: usize) -> Result<Layered, Trouble> {
         let is_layered = |piece: usize| rim.names(piece).iter().any(|name| layers.boundaries.contains(name));
-        let growth = Growth { rim, names: layers.quoted(), levels, halves };
+        let growth = LayerBuilder { rim, names: layers.quoted(), levels, halves };
         let mut layered =
             Layered { rest: Rim::of_curves(rim, format!("the layers of {}", growth.names)), strips: Vec::new(), order: Vec::new() };
         for range in rim.loops.windows(2) {

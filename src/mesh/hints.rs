@@ -89,7 +89,7 @@ impl MeshError {
         match self {
             SweptOver { .. } => "take more layers for a twist; let a path bend less, or make the section narrower where it bends",
             PathPoints { .. } => "name more points; a path that ends at its first point closes",
-            PathStands { .. } => "leave out one of the two",
+            CoincidentPathPoints { .. } => "leave out one of the two",
             PathTurns { .. } => "round the bend with more points, or make a mesh for each side of it and join them",
             ClosedChange => "leave these out, or let the way end before its start",
             Lofted { .. } => "make both with the same generator and the same counts of cells, or map one onto the other",

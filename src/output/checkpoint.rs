@@ -310,8 +310,8 @@ impl Checkpoint {
 ///
 /// # Errors
 /// The operating system refused.
-pub fn bring_back(run: &Path, aside: &[CountedFile]) -> Result<(), OutputError> {
-    aside.iter().try_for_each(|file| file.bring_back(run).map_err(OutputError::write(run.join(&file.name))))
+pub fn restore_files(run: &Path, aside: &[CountedFile]) -> Result<(), OutputError> {
+    aside.iter().try_for_each(|file| file.restore_files(run).map_err(OutputError::write(run.join(&file.name))))
 }
 
 /// Returns the number in the name of a checkpoint.

@@ -107,7 +107,7 @@ fn run(
     let (report, scripts, results) = match Session::new(settings, home(script), transcript.clone()) {
         Ok(mut session) => {
             if let Some((checkpoint, aside)) = resumed {
-                let lock = RunLock::take(&folder).and_then(|lock| checkpoint::bring_back(&folder, &aside).map(|()| lock));
+                let lock = RunLock::take(&folder).and_then(|lock| checkpoint::restore_files(&folder, &aside).map(|()| lock));
                 let lock = lock.map_err(|error| unwritten(&error))?;
                 session
                     .resume(&folder, checkpoint, lock)

@@ -207,7 +207,7 @@ impl Host {
     }
 
     /// Returns passed checks (by their keys) and warnings, and clears both, so that they are reported again.
-    pub(crate) fn forget_told(&self) -> Vec<(String, String)> {
+    pub(crate) fn take_reported(&self) -> Vec<(String, String)> {
         self.warned.take();
         self.passed.take()
     }

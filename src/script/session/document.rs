@@ -224,7 +224,7 @@ impl Document {
     /// Warnings of a text that is not checked.
     pub fn linted(&self) -> Vec<Diagnostic> {
         let host = &self.reader.host;
-        host.forget_told();
+        host.take_reported();
         lint(host, &self.reader.engine.borrow(), &self.name);
         self.warnings.0.take()
     }

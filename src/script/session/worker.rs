@@ -108,7 +108,7 @@ impl Worker {
         slots.set(Rc::new(DeclaredUnits::of_names(&self.units)));
         slots.set(Rc::new(MakeWorker(Some(start_worker))));
         slots.set(Rc::new(Program(RefCell::new(self.program.clone()))));
-        self.host.forget_told();
+        self.host.take_reported();
         self.notes.told.take();
         self.aside = Some(begin_study(&self.host, None));
     }
@@ -126,7 +126,7 @@ impl Worker {
 
     /// Returns the messages of a call, with the keys that identify checks.
     fn told(&self) -> Vec<ScriptOutput> {
-        let mut keys = self.host.forget_told().into_iter().map(|(key, _)| key);
+        let mut keys = self.host.take_reported().into_iter().map(|(key, _)| key);
         let named = |told| match told {
             ScriptOutput::Passed(_, line) => ScriptOutput::Passed(keys.next().unwrap_or_default(), line),
             other => other,

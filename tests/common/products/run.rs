@@ -153,7 +153,7 @@ fn go_on(session: &mut Session, out: &Path) -> Result<(), String> {
     let lock = RunLock::take(out).map_err(|error| error.to_string())?;
     let found = Checkpoint::read(&place).map_err(|error| error.to_string())?;
     let aside = found.belongs_to(out).map_err(|error| error.to_string())?;
-    checkpoint::bring_back(out, &aside).map_err(|error| error.to_string())?;
+    checkpoint::restore_files(out, &aside).map_err(|error| error.to_string())?;
     session.resume(out, found, lock).map_err(|error| error.to_string())
 }
 

@@ -227,7 +227,7 @@ impl Scene {
     }
 
     /// The scene with friction.
-    pub fn rubbed(self, friction: f64) -> Scene {
+    pub fn friction_gain(self, friction: f64) -> Scene {
         Scene { friction, ..self }
     }
 

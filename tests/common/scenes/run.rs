@@ -126,13 +126,13 @@ pub struct Record {
     /// Stored impact energy of closed contacts, from the ledger.
     pub reserve: f64,
     /// Largest friction work of a substep, which must not be positive.
-    pub rubbed: f64,
+    pub friction_gain: f64,
     /// Excess of the shear of a constraint over the friction limit, over the largest limit so far.
     pub cone: f64,
     /// Energy dissipated by contact since the start, from the ledger.
     pub lost: f64,
     /// Stored impact energy at the end of a substep at which no contact is closed.
-    pub kept_open: f64,
+    pub reserve_when_open: f64,
     /// Largest force of a contact in a substep at whose start and end it is open, over the largest force of any contact.
     pub across: f64,
     /// Largest penetration in the ledger.
@@ -157,7 +157,7 @@ pub struct Outcome {
     pub cells: usize,
     /// Largest values of the run.
     pub gain: f64,
-    pub rubbed: f64,
+    pub friction_gain: f64,
     pub cone: f64,
     pub defect: f64,
     pub momentum: f64,
@@ -207,15 +207,15 @@ impl Outcome {
             }
         };
         judge(Fault::Gained, |outcome| &mut outcome.gain, record.gain, GAIN, "");
-        judge(Fault::Rubbed, |outcome| &mut outcome.rubbed, record.rubbed, DEFECT, "");
+        judge(Fault::Rubbed, |outcome| &mut outcome.friction_gain, record.friction_gain, DEFECT, "");
         judge(Fault::Cone, |outcome| &mut outcome.cone, record.cone, CONE, "");
         judge(Fault::Defect, |outcome| &mut outcome.defect, record.defect, DEFECT, "");
         judge(Fault::Momentum, |outcome| &mut outcome.momentum, record.momentum, MOMENTUM, "");
         judge(Fault::Ledger, |outcome| &mut outcome.disagreement, record.disagreement, DISAGREEMENT, "");
         judge(Fault::Deep, |outcome| &mut outcome.depth, record.depth.facets, DEPTH, &record.depth.place);
         judge(Fault::Deep, |outcome| &mut outcome.crossing, record.crossing.facets, DEPTH, &record.crossing.place);
-        if record.kept_open > 0.0 {
-            self.find(Fault::Apart, step, record.kept_open, "of the energy kept");
+        if record.reserve_when_open > 0.0 {
+            self.find(Fault::Apart, step, record.reserve_when_open, "of the energy kept");
         }
         if record.across > 0.0 {
             self.find(Fault::Apart, step, record.across, "of the force across a gap");
@@ -326,9 +326,9 @@ fn take(scene: &Scene, outcome: &mut Outcome, watch: &mut dyn FnMut(&Record)) {
             record.halvings += row.halvings;
             record.defect = worse(record.defect, row.energy_defect.abs() / scales.energy);
             lost -= (row.contact_work + row.friction_work) / scales.energy;
-            record.rubbed = worse(record.rubbed, row.friction_work / scales.energy);
+            record.friction_gain = worse(record.friction_gain, row.friction_work / scales.energy);
             if row.active == 0 {
-                record.kept_open = record.kept_open.max(row.reserve / scales.energy);
+                record.reserve_when_open = record.reserve_when_open.max(row.reserve / scales.energy);
             }
             for (k, contact) in row.contacts.iter().enumerate() {
                 force = force.max(contact.normal_force);

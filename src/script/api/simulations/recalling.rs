@@ -174,7 +174,7 @@ impl SimulationHandle {
     ///
     /// # Errors
     /// The script requests another computation than in the run that is resumed; a file that cannot be written.
-    pub fn take_down_way_back(&self, host: &Host) -> Result<(), Failure> {
+    pub fn record_return(&self, host: &Host) -> Result<(), Failure> {
         let Some((journal, simulation)) = self.0.journal.as_ref().map(|(journal, number)| (journal, *number)) else { return Ok(()) };
         let event = Entry::WentBack { simulation };
         if !journal.is_recalling() {

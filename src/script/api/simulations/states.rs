@@ -249,7 +249,7 @@ impl SimulationHandle {
     /// Restores a state, with its history.
     pub fn go_to(&self, call: &Call, state: &State, history: History) -> Result<(), Failure> {
         self.refuse_nested(call)?;
-        self.take_down_way_back(call.host)?;
+        self.record_return(call.host)?;
         self.0.simulation.try_borrow_mut().map_err(|_| busy(call))?.restore(state);
         self.0.is_behind.set(false);
         self.0.is_known.set(true);
