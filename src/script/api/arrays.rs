@@ -6,6 +6,7 @@ use rhai::{Array, Dynamic, EvalAltResult};
 
 use crate::math::catalogue::Interval;
 use crate::script::language::arguments::Arguments;
+use crate::script::language::causes;
 use crate::script::language::function::{Call, Form, Function, Topic, body};
 use crate::script::language::limits::MAX_ARRAY;
 use crate::script::language::parameter::{Kind, Parameter};
@@ -72,7 +73,7 @@ fn of_numbers(name: &'static str, summary: &'static str, compute: fn(&Array) -> 
         body: body(move |call| {
             let values = numbers_of(call, "values")?;
             compute(&values).ok_or_else(|| {
-                let failure = call.argument("values").fail(format!("an empty array has no `{name}`"));
+                let failure = call.argument("values").fail(format!("an empty array has no `{name}`")).code(causes::NO_SUCH);
                 failure.hint("ask `values.is_empty()` first").into()
             })
         }),
@@ -87,7 +88,7 @@ pub(super) fn numbers_of(call: &Call, name: &str) -> Result<Array, Box<EvalAltRe
         None => Ok(values),
         Some(other) => {
             let given = describe(call.engine(), other);
-            let failure = argument.fail(format!("{} must be an array of numbers", argument.title()));
+            let failure = argument.fail(format!("{} must be an array of numbers", argument.title())).code(causes::WRONG_TYPE);
             Err(failure.label(format!("this contains {given}")).hint("`values.map(|v| …)` makes numbers of the entries").into())
         }
     }

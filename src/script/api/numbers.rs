@@ -6,6 +6,7 @@ use rhai::{Array, Dynamic, ImmutableString};
 
 use crate::math::catalogue::Interval;
 use crate::script::language::arguments::{Argument, Arguments};
+use crate::script::language::causes;
 use crate::script::language::digits::significant;
 use crate::script::language::failure::Failure;
 use crate::script::language::function::{Form, Function, Topic, body};
@@ -45,7 +46,7 @@ pub(super) fn entrywise(argument: &Argument, compute: impl Fn(f64) -> f64) -> Re
 /// Applies a function of numbers to all entries of an array, including nested arrays.
 fn each(argument: &Argument, value: &Dynamic, of: &dyn Fn(&Dynamic) -> Option<Dynamic>, depth: usize) -> Result<Dynamic, Failure> {
     let Some(entries) = value.read_lock::<Array>().filter(|_| depth < MAX_DEPTH) else {
-        let failure = argument.fail(format!("{} must be a number or an array of numbers", argument.title()));
+        let failure = argument.fail(format!("{} must be a number or an array of numbers", argument.title())).code(causes::WRONG_TYPE);
         let failure = failure.label(format!("this contains {}", describe(argument.call().engine(), value)));
         return Err(failure.hint("`values.map(|v| …)` makes numbers of the entries"));
     };
@@ -100,7 +101,7 @@ fn of_two(name: &'static str, summary: &'static str, names: [&'static str; 2], c
             match [a.value(), b.value()].map(|value| value.into_array().ok()) {
                 [None, None] => Ok(Dynamic::from(compute(a.number()?, b.number()?))),
                 [Some(x), Some(y)] if x.len() != y.len() => {
-                    let failure = b.fail(format!("{} works entry by entry", call.function.title()));
+                    let failure = b.fail(format!("{} works entry by entry", call.function.title())).code(causes::WRONG_TYPE);
                     Err(failure
                         .cause(format!("the arrays have {} and {} entries", x.len(), y.len()))
                         .hint("give arrays of one length")
@@ -126,7 +127,7 @@ fn of_two(name: &'static str, summary: &'static str, names: [&'static str; 2], c
 /// Number in an array.
 fn entry_of(argument: &Argument, value: &Dynamic) -> Result<f64, Failure> {
     as_number(value).ok_or_else(|| {
-        let failure = argument.fail(format!("{} must be a number or an array of numbers", argument.title()));
+        let failure = argument.fail(format!("{} must be a number or an array of numbers", argument.title())).code(causes::WRONG_TYPE);
         failure.label(format!("this contains {}", describe(argument.call().engine(), value)))
     })
 }

@@ -8,6 +8,7 @@ use std::cell::RefCell;
 use rhai::{Dynamic, Engine};
 
 use crate::script::language::arguments::Arguments;
+use crate::script::language::causes;
 use crate::script::language::failure::Failure;
 use crate::script::language::function::{Form, Function, Topic, body};
 use crate::script::language::host::Host;
@@ -54,6 +55,7 @@ impl Overrides {
                 parsed(&given.text, &default).ok_or_else(|| {
                     let kind = kind(&default);
                     Failure::script(format!("`--set {name}={}` must be {kind}", given.text))
+                        .code(causes::SETTING)
                         .cause(format!("the script's default is {kind}, {default}"))
                         .hint(format!("write `--set {name}={default}`, for example"))
                 })?
@@ -90,7 +92,8 @@ impl Overrides {
 
     /// Returns the failure of a name whose `param`, at `place`, was not reached.
     pub fn unreached(&self, name: &str, place: Option<Place>) -> Failure {
-        let failure = Failure::script(format!("`--set {name}={}`: the run ended before the script asked for `{name}`", self.text(name)));
+        let failure = Failure::script(format!("`--set {name}={}`: the run ended before the script asked for `{name}`", self.text(name)))
+            .code(causes::SETTING);
         failure
             .cause("the statement with this call of `param` was not reached, so the value had no effect")
             .hint("call `param` at the top of the script, outside of any condition and function")
@@ -102,7 +105,8 @@ impl Overrides {
         let asked = self.asked.borrow();
         let mut names: Vec<&str> = asked.iter().map(|(name, _)| name.as_str()).collect();
         names.extend(written.iter().map(String::as_str).filter(|name| asked.iter().all(|(known, _)| known != name)));
-        let failure = Failure::script(format!("`--set {name}={}`: the script has no parameter `{name}`", self.text(name)));
+        let failure =
+            Failure::script(format!("`--set {name}={}`: the script has no parameter `{name}`", self.text(name))).code(causes::SETTING);
         let failure = match names.as_slice() {
             [] => failure.cause("the script has no parameters").hint(format!("write `param(\"{name}\", default)` in the script")),
             names => failure.cause(format!("its parameters are {}", listed(names, "and"))),
@@ -198,6 +202,7 @@ pub fn functions() -> Vec<Function> {
             if as_number(&value).is_none() && !value.is_bool() && !value.is_string() {
                 return Err(default
                     .fail("`default` of `param` must be a number, `true` or `false`, or a string")
+                    .code(causes::WRONG_TYPE)
                     .label(format!("this is {}", describe(call.engine(), &value)))
                     .hint("give the value that the parameter has without `--set`")
                     .into());

@@ -6,6 +6,7 @@ use super::arrays::{numbers, numbers_of};
 use crate::math::catalogue::Interval;
 use crate::math::signals::{channel_filter, fourier, interpolated, percentile};
 use crate::script::language::arguments::Arguments;
+use crate::script::language::causes;
 use crate::script::language::digits::{brief, number_text};
 use crate::script::language::function::{Call, Form, Function, Topic, body};
 use crate::script::language::parameter::{Absent, Kind, Parameter};
@@ -47,7 +48,7 @@ fn array(call: &Call, name: &str) -> Result<Vec<f64>, Box<EvalAltResult>> {
 
 /// The failure of an array that is too short.
 fn too_short(call: &Call, least: &str) -> Box<EvalAltResult> {
-    call.argument("values").fail(format!("{} needs {least}", call.function.title())).into()
+    call.argument("values").fail(format!("{} needs {least}", call.function.title())).code(causes::COUNT).into()
 }
 
 fn array_of(values: impl IntoIterator<Item = f64>) -> Array {
@@ -114,7 +115,7 @@ fn same_length(call: &Call, values: &[f64], x: &[f64]) -> Result<(), Box<EvalAlt
     if values.len() == x.len() {
         return Ok(());
     }
-    let failure = call.argument("x").fail(format!("`values` and `x` have {} and {} entries", values.len(), x.len()));
+    let failure = call.argument("x").fail(format!("`values` and `x` have {} and {} entries", values.len(), x.len())).code(causes::COUNT);
     Err(failure.hint("give one place for each value").into())
 }
 
@@ -138,11 +139,11 @@ fn interpolate() -> Function {
         body: body(|call| {
             let (x, y, at) = (array(call, "x")?, array(call, "y")?, call.argument("at"));
             if x.len() != y.len() || x.is_empty() {
-                let failure = call.argument("y").fail(format!("`x` and `y` have {} and {} entries", x.len(), y.len()));
+                let failure = call.argument("y").fail(format!("`x` and `y` have {} and {} entries", x.len(), y.len())).code(causes::COUNT);
                 return Err(failure.hint("give one value for each place, and one point at least").into());
             }
             if let Some(ends) = x.windows(2).find(|ends| ends[0].partial_cmp(&ends[1]) != Some(std::cmp::Ordering::Less)) {
-                let failure = call.argument("x").fail("the places of a curve must ascend");
+                let failure = call.argument("x").fail("the places of a curve must ascend").code(causes::ORDER);
                 let failure = failure.label(format!("{} follows {}", number_text(ends[1]), number_text(ends[0])));
                 return Err(failure.hint("sort the points, and give each place once").into());
             }
@@ -221,13 +222,16 @@ fn cfc_filter() -> Function {
             let (values, dt, class): (Vec<f64>, f64, f64) = (numbers(&values).collect(), call.number("dt")?, call.number("class")?);
             let failure =
                 if class * dt > HIGHEST {
-                    let failure = call.argument("class").fail("the values are too far apart for this class");
+                    let failure = call.argument("class").fail("the values are too far apart for this class").code(causes::OUT_OF_RANGE);
                     Some(failure.cause(format!(
                         "SAE J211 asks for ten values in a period of the class: a `dt` of at most {} s",
                         brief(0.1 / class)
                     )))
                 } else {
-                    values.iter().any(|x| !x.is_finite()).then(|| call.argument("values").fail("a filter needs finite numbers"))
+                    values
+                        .iter()
+                        .any(|x| !x.is_finite())
+                        .then(|| call.argument("values").fail("a filter needs finite numbers").code(causes::OUT_OF_RANGE))
                 };
             match failure {
                 Some(failure) => Err(failure.hint("give `dt` in seconds, and values at each step").into()),

@@ -10,6 +10,7 @@ use crate::dynamics::{Amplitude, BodyField, Constant, Hat, PlaceFunction, Ramp, 
 use crate::math::catalogue::Interval;
 use crate::script::language::arguments::{Argument, Arguments};
 use crate::script::language::callback::Callback;
+use crate::script::language::causes;
 use crate::script::language::digits::{number_text, vector_text};
 use crate::script::language::failure::{Failure, ScriptError};
 use crate::script::language::function::{Call, Form, Function, Topic, body};
@@ -130,6 +131,7 @@ impl ScriptFunction {
             _ => {
                 let given = host.engine().map_or(String::new(), |engine| describe(&engine.borrow(), &value));
                 let failure = Failure::script(format!("the closure must give a finite number at {}", at()))
+                    .code(causes::CLOSURE)
                     .label("given here")
                     .cause(format!("it gives {given}"))
                     .hint("let its last expression be the number");
@@ -254,7 +256,7 @@ fn window_of(call: &Call) -> Result<(f64, f64), Failure> {
     if start < end {
         return Ok((start, end));
     }
-    let failure = call.argument("end").fail(format!("{} must be greater than `start`", call.argument("end").title()));
+    let failure = call.argument("end").fail(format!("{} must be greater than `start`", call.argument("end").title())).code(causes::ORDER);
     Err(failure
         .label(format!("this is {}", number_text(end)))
         .cause(format!("`start` is {}", number_text(start)))
@@ -336,7 +338,11 @@ fn table() -> Function {
             let points = if values.is_given() { pairs_of(&argument, &values)? } else { points_of(&argument, ["time", "value"])? };
             match Table::new(points) {
                 Some(table) => Ok(Dynamic::from(TimeFunctionHandle(Arc::new(table)))),
-                None => Err(argument.fail("`table` needs at least one point").hint("write `[[0.0, 0.0], [1.0, 5.0]]`").into()),
+                None => Err(argument
+                    .fail("`table` needs at least one point")
+                    .code(causes::COUNT)
+                    .hint("write `[[0.0, 0.0], [1.0, 5.0]]`")
+                    .into()),
             }
         }),
     }
@@ -352,7 +358,8 @@ pub fn points_of(argument: &Argument, [first, second]: [&str; 2]) -> Result<Vec<
             Some([x, y]) if x.is_finite() && y.is_finite() => points.push((*x, *y)),
             _ => {
                 let given = describe(argument.call().engine(), &entry);
-                let failure = argument.fail(format!("every point of `{function}` must be a pair `[{first}, {second}]`"));
+                let failure =
+                    argument.fail(format!("every point of `{function}` must be a pair `[{first}, {second}]`")).code(causes::WRONG_TYPE);
                 return Err(failure.label(format!("this contains {given}")).hint("write `[[0.0, 0.0], [1.0, 5.0]]`"));
             }
         }
@@ -364,7 +371,7 @@ pub fn points_of(argument: &Argument, [first, second]: [&str; 2]) -> Result<Vec<
 fn pairs_of(times: &Argument, values: &Argument) -> Result<Vec<(f64, f64)>, Failure> {
     let numbers = |argument: &Argument| {
         let wrong = |entry: &Dynamic| {
-            let failure = argument.fail(format!("every entry of {} must be a finite number", argument.title()));
+            let failure = argument.fail(format!("every entry of {} must be a finite number", argument.title())).code(causes::OUT_OF_RANGE);
             let failure = failure.label(format!("this contains {}", describe(argument.call().engine(), entry)));
             failure.hint("leave out lines without a value: `NaN` is what an empty field of a file gives")
         };
@@ -373,7 +380,7 @@ fn pairs_of(times: &Argument, values: &Argument) -> Result<Vec<(f64, f64)>, Fail
     };
     let (at, of) = (numbers(times)?, numbers(values)?);
     if at.len() != of.len() {
-        let failure = values.fail(format!("there are {} times and {} values", at.len(), of.len()));
+        let failure = values.fail(format!("there are {} times and {} values", at.len(), of.len())).code(causes::COUNT);
         return Err(failure.hint("give a value for each time: two columns of one file"));
     }
     increasing(times, at.into_iter().zip(of).collect(), "time")
@@ -384,6 +391,7 @@ fn increasing(argument: &Argument, points: Vec<(f64, f64)>, first: &str) -> Resu
     match points.windows(2).find(|pair| pair[0].0 >= pair[1].0) {
         Some(pair) => Err(argument
             .fail(format!("the {first}s of `{}` must increase", argument.call().function.name))
+            .code(causes::ORDER)
             .label(format!("{} comes after {}", number_text(pair[1].0), number_text(pair[0].0)))
             .hint(format!("sort the points; a jump needs two {first}s close to each other"))),
         None => Ok(points),

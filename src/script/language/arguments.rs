@@ -5,6 +5,7 @@
 
 use rhai::{Dynamic, Map};
 
+use super::causes;
 use super::digits::number_text;
 use super::failure::Failure;
 use super::function::Call;
@@ -150,11 +151,6 @@ impl Arguments for Options<'_> {
     }
 }
 
-/// Code of an argument of the wrong type.
-pub(super) const WRONG_TYPE: &str = "C1021";
-/// Code of a missing argument or option.
-pub(super) const MISSING: &str = "C1023";
-
 /// Argument of a call, given or missing.
 pub struct Argument<'a> {
     pub(super) call: &'a Call<'a>,
@@ -202,8 +198,8 @@ impl Argument<'_> {
     /// The failure of a value of the wrong type.
     pub fn wrong_type(&self) -> Failure {
         let given = self.value.as_ref().map_or("nothing".to_string(), |value| describe(self.call.engine(), value));
-        let failure = self.fail(format!("{} must be {}", self.title(), self.parameter.requirement()));
-        let failure = failure.code(WRONG_TYPE).label(format!("this is {given}"));
+        let failure = self.fail(format!("{} must be {}", self.title(), self.parameter.requirement())).code(causes::WRONG_TYPE);
+        let failure = failure.code(causes::WRONG_TYPE).label(format!("this is {given}"));
         let failure = failure.cause(format!("`{}` is {}", self.parameter.name, self.parameter.summary));
         match &self.parameter.kind {
             Kind::Number | Kind::Integer if self.value.as_ref().is_some_and(Dynamic::is_string) => failure.hint("leave out the quotes"),
@@ -226,7 +222,7 @@ impl Argument<'_> {
     /// Failure of a number outside the range of the parameter.
     pub fn out_of_range(&self, range: Interval, value: &str) -> Failure {
         self.fail(format!("{} must be {}", self.title(), range))
-            .code("C1022")
+            .code(causes::OUT_OF_RANGE)
             .label(format!("this is {value}"))
             .cause(format!("`{}` is {}", self.parameter.name, self.parameter.summary))
             .hint(format!("give {}", self.parameter.requirement()))
@@ -234,7 +230,7 @@ impl Argument<'_> {
 
     /// Failure of a missing argument without a default.
     pub fn missing(&self) -> Failure {
-        self.call.fail(format!("{} is missing", self.title())).code(MISSING).hint(format!("give {}", self.parameter.requirement()))
+        self.call.fail(format!("{} is missing", self.title())).code(causes::MISSING).hint(format!("give {}", self.parameter.requirement()))
     }
 
     /// Returns a number in its range.
@@ -309,7 +305,7 @@ impl Argument<'_> {
     pub fn name(&self) -> Result<String, Failure> {
         let name = self.text()?;
         if name.contains(char::is_control) {
-            let failure = self.fail(format!("{} must be a name on one line", self.title()));
+            let failure = self.fail(format!("{} must be a name on one line", self.title())).code(causes::WRONG_TYPE);
             let failure = failure.label("it has a line break or another control character");
             return Err(failure.hint("write letters, digits, signs and blanks"));
         }
@@ -324,7 +320,7 @@ impl Argument<'_> {
     /// Returns the failure of an unknown name, with the known names and the nearest of these.
     pub fn unknown_name(&self, title: impl Into<String>, name: &str, known: &[impl AsRef<str>]) -> Failure {
         let quoted: Vec<String> = known.iter().map(|word| format!("\"{}\"", word.as_ref())).collect();
-        let failure = self.fail(title).code("C1025").label("unknown name");
+        let failure = self.fail(title).code(causes::UNKNOWN_WORD).label("unknown name");
         let failure = match quoted.len() {
             0 => failure.cause("there is none to choose from"),
             _ => failure.cause(format!("there {} {}", if quoted.len() == 1 { "is" } else { "are" }, joined(&quoted, "and"))),

@@ -3,6 +3,7 @@
 use rhai::{Array, Dynamic};
 
 use super::arguments::Argument;
+use super::causes;
 use super::digits::number_text;
 use super::failure::Failure;
 use super::values::{as_number, as_whole, describe};
@@ -27,7 +28,10 @@ impl Argument<'_> {
         if numbers.len() == count {
             return Ok(numbers);
         }
-        let failure = self.fail(format!("{} must have {count} components", self.title())).label(format!("this has {}", numbers.len()));
+        let failure = self
+            .fail(format!("{} must have {count} components", self.title()))
+            .code(causes::COUNT)
+            .label(format!("this has {}", numbers.len()));
         let failure = failure.cause(format!("`{}` is {}", self.parameter.name, self.parameter.summary));
         Err(failure.hint(if count == 2 { "write `[x, y]`" } else { "write `[x, y, z]`" }))
     }
@@ -42,11 +46,14 @@ impl Argument<'_> {
         let numbers = numbers.ok_or_else(|| {
             let wrong = array.iter().find(|value| as_number(value).is_none());
             let what = wrong.map_or(String::new(), |value| describe(self.call.engine(), value));
-            self.fail(format!("{} must be an array of numbers", self.title())).label(format!("this contains {what}"))
+            self.fail(format!("{} must be an array of numbers", self.title()))
+                .code(causes::WRONG_TYPE)
+                .label(format!("this contains {what}"))
         })?;
         match numbers.iter().find(|number| !self.parameter.range.contains(**number)) {
             Some(wrong) => Err(self
                 .fail(format!("every entry of {} must be {}", self.title(), self.parameter.range))
+                .code(causes::OUT_OF_RANGE)
                 .label(format!("this contains {}", number_text(*wrong)))
                 .cause(format!("`{}` is {}", self.parameter.name, self.parameter.summary))),
             None => Ok(numbers),
@@ -69,7 +76,9 @@ impl Argument<'_> {
         let list = |entry: &Dynamic| {
             let points = entry.read_lock::<Array>().map(|points| self.points_in(&points));
             let hint = "write `[[[0.2, 0.2], [0.4, 0.2], [0.3, 0.4]]]`: an array for each";
-            points.unwrap_or_else(|| Err(self.fail(format!("every entry of {} must be an array of points", self.title())).hint(hint)))
+            points.unwrap_or_else(|| {
+                Err(self.fail(format!("every entry of {} must be an array of points", self.title())).code(causes::WRONG_TYPE).hint(hint))
+            })
         };
         self.array()?.iter().map(list).collect()
     }
@@ -87,7 +96,7 @@ impl Argument<'_> {
                 2 => ("[x, y]", "[[1.0, 0.0], [0.0, 0.0]]"),
                 _ => ("[x, y, z]", "[[0.0, 0.0, 0.0], [0.0, 0.0, 1.0]]"),
             };
-            let failure = self.fail(format!("every entry of {} must be a point `{form}`", self.title()));
+            let failure = self.fail(format!("every entry of {} must be a point `{form}`", self.title())).code(causes::WRONG_TYPE);
             failure.label(format!("this contains {given}")).hint(format!("write `{example}`"))
         })
     }
@@ -102,19 +111,24 @@ impl Argument<'_> {
         let whole = whole.ok_or_else(|| {
             let wrong = array.iter().find(|value| as_whole(value).is_none());
             let given = wrong.map_or(String::new(), |value| describe(self.call.engine(), value));
-            let failure = self.fail(format!("{} must be an array of whole numbers", self.title())).label(format!("this contains {given}"));
+            let failure = self
+                .fail(format!("{} must be an array of whole numbers", self.title()))
+                .code(causes::WRONG_TYPE)
+                .label(format!("this contains {given}"));
             let failure = failure.cause(format!("`{}` is {}", self.parameter.name, self.parameter.summary));
             failure.hint("write whole numbers, such as `[10, 40]`; `x.to_int()` drops a fraction")
         })?;
         if whole.len() != count {
             return Err(self
                 .fail(format!("{} must have {count} entries", self.title()))
+                .code(causes::COUNT)
                 .label(format!("this has {}", whole.len()))
                 .cause(format!("`{}` is {}", self.parameter.name, self.parameter.summary)));
         }
         match whole.iter().find(|value| **value < 1) {
             Some(wrong) => Err(self
                 .fail(format!("every entry of {} must be 1 or greater", self.title()))
+                .code(causes::OUT_OF_RANGE)
                 .label(format!("this contains {wrong}"))
                 .cause(format!("`{}` is {}", self.parameter.name, self.parameter.summary))),
             None => Ok(whole.into_iter().map(|value| value as usize).collect()),

@@ -10,6 +10,7 @@ use std::rc::Rc;
 use rhai::{Dynamic, EvalAltResult, FnPtr, ImmutableString, NativeCallContextStore, ScriptFuncDef, Shared};
 
 use super::arguments::{Argument, Arguments};
+use super::causes;
 use super::failure::{Failure, ScriptError};
 use super::function::Call;
 use super::host::Host;
@@ -142,7 +143,7 @@ impl Argument<'_> {
         if count == names || (wanted == "|x, y|" && count == names + 1) {
             return Ok(());
         }
-        let failure = self.fail(format!("the closure for {} must have {}", self.title(), parameters(names)));
+        let failure = self.fail(format!("the closure for {} must have {}", self.title(), parameters(names))).code(causes::CLOSURE);
         Err(failure.label(format!("this one has {}", parameters(count))).hint(format!("write `{wanted} …`")))
     }
 }
@@ -165,7 +166,7 @@ fn definition<'a>(context: &'a NativeCallContextStore, name: &str) -> Option<&'a
 /// Returns the failure of a closure that changes a captured value although calls must be independent.
 fn changed(name: Option<&ImmutableString>) -> Failure {
     let variable = name.map_or_else(|| "a variable".to_string(), |name| format!("`{name}`"));
-    let failure = Failure::script(format!("the closure changes {variable}, which belongs to the script around it"));
+    let failure = Failure::script(format!("the closure changes {variable}, which belongs to the script around it")).code(causes::CLOSURE);
     let failure =
         failure.cause("every point of a study is computed by itself, perhaps beside others, with values as they were at its begin");
     failure.hint("let the closure give what it found: `#{ name: value, … }`")

@@ -8,6 +8,7 @@ use std::rc::Rc;
 
 use rhai::{Array, Dynamic, EvalAltResult, FuncRegistration, Module, NativeCallContext};
 
+use super::causes;
 use super::failure::Failure;
 use super::host::Host;
 use super::sources::offset;
@@ -40,14 +41,14 @@ impl Operator {
     fn numbers(self, context: &NativeCallContext, a: &Dynamic, b: &Dynamic) -> Value {
         if let (Some(whole), Ok(a), Ok(b)) = (self.whole, a.as_int(), b.as_int()) {
             let result = whole(a, b).map(Dynamic::from);
-            let failure = || Failure::script(format!("`{a} {} {b}` is no whole number that fits", self.sign));
+            let failure = || Failure::script(format!("`{a} {} {b}` is no whole number that fits", self.sign)).code(causes::OUT_OF_RANGE);
             return result.ok_or_else(|| failure().hint("use numbers with a decimal point, such as `2.0`").into());
         }
         match (as_number(a), as_number(b)) {
             (Some(a), Some(b)) => Ok((self.fraction)(a, b).into()),
             (a_number, _) => {
                 let wrong = describe(context.engine(), if a_number.is_none() { a } else { b });
-                let failure = Failure::script(format!("`{}` works on arrays of numbers", self.sign));
+                let failure = Failure::script(format!("`{}` works on arrays of numbers", self.sign)).code(causes::WRONG_TYPE);
                 Err(failure.cause(format!("an entry is {wrong}")).hint("arrays inside arrays must agree in their lengths, too").into())
             }
         }
@@ -56,7 +57,9 @@ impl Operator {
     /// Applies the operator to two values of which at least one is an array.
     fn apply(self, context: &NativeCallContext, a: &Dynamic, b: &Dynamic, depth: usize) -> Value {
         if depth > MAX_DEPTH {
-            return Err(Failure::script(format!("`{}` works on arrays of numbers, not on arrays nested so deeply", self.sign)).into());
+            return Err(Failure::script(format!("`{}` works on arrays of numbers, not on arrays nested so deeply", self.sign))
+                .code(causes::WRONG_TYPE)
+                .into());
         }
         match (a.read_lock::<Array>(), b.read_lock::<Array>()) {
             (Some(a), Some(b)) => {
@@ -77,7 +80,8 @@ impl Operator {
     }
 
     fn unequal(self, a: usize, b: usize) -> Failure {
-        let failure = Failure::script(format!("`{}` works entry by entry, and the arrays have {a} and {b} entries", self.sign));
+        let failure =
+            Failure::script(format!("`{}` works entry by entry, and the arrays have {a} and {b} entries", self.sign)).code(causes::COUNT);
         match self.sign {
             "+" => failure.hint("`a.append(b)` puts the entries of `b` behind those of `a`; `a.push(x)` puts one value there"),
             _ => failure.hint("`a.len()` tells how many entries an array has; `a.extract(0, n)` gives the first `n`"),

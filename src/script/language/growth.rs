@@ -10,6 +10,7 @@ use std::rc::Rc;
 
 use rhai::{Array, Blob, Dynamic, Engine, EvalAltResult, FuncRegistration, ImmutableString, Map, Module, NativeCallContext, RhaiFunc};
 
+use super::causes;
 use super::failure::Failure;
 use super::values::{as_number, describe};
 use super::wording::joined;
@@ -124,7 +125,7 @@ fn sort(engine: &Engine, array: &mut Array) -> Result<(), Failure> {
     let mut kinds: Vec<&Dynamic> = array.iter().collect();
     kinds.dedup_by_key(|value| value.type_id());
     let some: Vec<String> = kinds.iter().take(2).map(|value| describe(engine, value)).collect();
-    let failure = Failure::script("`sort` orders numbers, or strings, but no others and no mixture");
+    let failure = Failure::script("`sort` orders numbers, or strings, but no others and no mixture").code(causes::WRONG_TYPE);
     let failure = failure.cause(format!("the array has {}", joined(&some, "and")));
     Err(failure.hint("say what comes first: `array.sort(|a, b| if a.time < b.time { -1 } else { 1 })`"))
 }

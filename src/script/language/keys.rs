@@ -4,7 +4,8 @@
 
 use rhai::{EvalAltResult, Map};
 
-use super::arguments::{Arguments, MISSING, WRONG_TYPE};
+use super::arguments::Arguments;
+use super::causes;
 use super::failure::Failure;
 use super::function::Call;
 use super::habits;
@@ -12,9 +13,6 @@ use super::parameter::{Kind, Parameter};
 use super::scan::Target;
 use super::values::describe;
 use super::wording::{did_you_mean, listed};
-
-/// Code of an unknown key of an options map.
-const UNKNOWN_KEY: &str = "C1024";
 
 impl Call<'_> {
     /// Checks the keys of options maps: unknown ones first, then missing ones.
@@ -45,7 +43,7 @@ impl Call<'_> {
             .or_else(|| did_you_mean(unknown, names.iter().copied()));
         let failure = self
             .fail(format!("{title} has no option `{unknown}`"))
-            .code(UNKNOWN_KEY)
+            .code(causes::UNKNOWN_OPTION)
             .at(Target::Key { argument: index, key: unknown.to_string(), value: false })
             .label("unknown option")
             .cause(format!("its options are {}", listed(&names, "and")));
@@ -61,9 +59,10 @@ impl Call<'_> {
                 Some(map) => self.check_nested(key, inner, &map, target)?,
                 None => {
                     let (title, given) = (self.function.title(), describe(self.engine(), value));
-                    let failure = self.fail(format!("`{}` of {title} must be {}", key.name, key.requirement())).at(target);
+                    let failure =
+                        self.fail(format!("`{}` of {title} must be {}", key.name, key.requirement())).code(causes::WRONG_TYPE).at(target);
                     return Err(failure
-                        .code(WRONG_TYPE)
+                        .code(causes::WRONG_TYPE)
                         .label(format!("this is {given}"))
                         .hint(format!("write `{}: #{{ name: value, … }}`", key.name)));
                 }
@@ -76,9 +75,12 @@ impl Call<'_> {
     fn check_nested(&self, outer: &Parameter, keys: &[Parameter], map: &Map, target: Target) -> Result<(), Failure> {
         let names: Vec<&str> = keys.iter().map(|key| key.name).collect();
         let Some(unknown) = map.keys().find(|key| !names.contains(&key.as_str())) else { return Ok(()) };
-        let failure = self.fail(format!("`{}` of {} has no entry `{unknown}`", outer.name, self.function.title())).at(target);
         let failure =
-            failure.code(UNKNOWN_KEY).label(format!("`{unknown}` is unknown")).cause(format!("its entries are {}", listed(&names, "and")));
+            self.fail(format!("`{}` of {} has no entry `{unknown}`", outer.name, self.function.title())).code(causes::NO_SUCH).at(target);
+        let failure = failure
+            .code(causes::UNKNOWN_OPTION)
+            .label(format!("`{unknown}` is unknown"))
+            .cause(format!("its entries are {}", listed(&names, "and")));
         Err(failure.hint(did_you_mean(unknown, names.iter().copied()).unwrap_or_else(|| "remove the entry".into())))
     }
 
@@ -89,7 +91,7 @@ impl Call<'_> {
         let (title, plural) = (self.function.title(), if missing.len() == 1 { "" } else { "s" });
         let mut failure = self
             .fail(format!("{title} needs the option{plural} {}", listed(&names, "and")))
-            .code(MISSING)
+            .code(causes::MISSING)
             .at(Target::Argument(index))
             .label(format!("`{}` is missing", first.name));
         for key in missing {

@@ -5,6 +5,7 @@
 pub mod arguments;
 pub mod arrays;
 pub mod callback;
+pub mod causes;
 pub mod comparison;
 pub mod diagnostics;
 pub mod digits;

@@ -7,6 +7,7 @@ use std::cell::RefCell;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
+use super::causes;
 use super::failure::Failure;
 use super::wording::did_you_mean;
 use crate::output::Inputs;
@@ -32,6 +33,7 @@ impl Sandbox {
         let canonical = |folder: &Path| {
             folder.canonicalize().map_err(|error| {
                 Failure::script(format!("the folder {} cannot be opened", folder.display()))
+                    .code(causes::FILE)
                     .cause(reason(&error))
                     .hint("name an existing folder")
             })

@@ -12,6 +12,7 @@ use rhai::{Engine, EvalAltResult, GlobalRuntimeState, Module, ModuleResolver, Po
 
 use super::compile::constants;
 use crate::machine::files;
+use crate::script::language::causes;
 use crate::script::language::failure::Failure;
 use crate::script::language::host::Host;
 use crate::script::language::lint::lint;
@@ -47,11 +48,15 @@ impl Modules {
             return Ok(module.clone());
         }
         if self.loading.borrow().contains(&file) {
-            let failure = Failure::script(format!("the module \"{path}\" imports itself, directly or through another"));
+            let failure = Failure::script(format!("the module \"{path}\" imports itself, directly or through another")).code(causes::FILE);
             return Err(failure.hint("move what both need into a third module").raise(position));
         }
         let text = files::read_text(&file).map_err(|error| {
-            Failure::script(format!("the module \"{path}\" cannot be read")).cause(reason(&error)).hint("check the file").raise(position)
+            Failure::script(format!("the module \"{path}\" cannot be read"))
+                .code(causes::FILE)
+                .cause(reason(&error))
+                .hint("check the file")
+                .raise(position)
         })?;
         let source = format!("{path}.rhai");
         self.host.sources.insert(&source, &text);

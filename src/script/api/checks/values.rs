@@ -6,6 +6,7 @@ use super::verdicts::{failed, only_listed, passed};
 use crate::math::catalogue::Interval;
 use crate::math::tolerances::CLOSE;
 use crate::script::language::arguments::Arguments;
+use crate::script::language::causes;
 use crate::script::language::digits::{number_text, significant};
 use crate::script::language::explain::explain;
 use crate::script::language::failure::Failure;
@@ -123,7 +124,7 @@ fn numbers(call: &Call, name: &str) -> Result<Vec<f64>, Failure> {
     }
     let entries: Option<Vec<f64>> = value.read_lock::<rhai::Array>().and_then(|array| array.iter().map(as_number).collect());
     entries.ok_or_else(|| {
-        let failure = argument.fail(format!("{} must be a number or an array of numbers", argument.title()));
+        let failure = argument.fail(format!("{} must be a number or an array of numbers", argument.title())).code(causes::WRONG_TYPE);
         failure.label(format!("this is {}", describe(call.engine(), &value)))
     })
 }

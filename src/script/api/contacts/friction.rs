@@ -10,6 +10,7 @@ use crate::math::catalogue::Interval;
 use crate::script::api::time_functions::{amplitude_of, place_function, points_of};
 use crate::script::language::arguments::{Argument, Arguments, Options};
 use crate::script::language::callback::Callback;
+use crate::script::language::causes;
 use crate::script::language::diagnostics::Diagnostic;
 use crate::script::language::digits::number_text;
 use crate::script::language::failure::Failure;
@@ -87,7 +88,7 @@ fn coulomb() -> Function {
             let transition = options.optional_number("transition_speed")?;
             if static_ratio < 1.0 {
                 let argument = options.argument("at_rest");
-                let failure = argument.fail(format!("{} must be 1 or more", argument.title()));
+                let failure = argument.fail(format!("{} must be 1 or more", argument.title())).code(causes::OUT_OF_RANGE);
                 return Err(failure
                     .label(format!("this is {}", number_text(static_ratio)))
                     .hint("what rests holds no less than what slides")
@@ -100,7 +101,7 @@ fn coulomb() -> Function {
                 warn_of_percent(&options.argument("at_rest"), sliding * static_ratio);
             }
             if transition.is_none() && static_ratio != 1.0 {
-                let failure = options.argument("at_rest").fail("`at_rest` needs a `transition_speed`");
+                let failure = options.argument("at_rest").fail("`at_rest` needs a `transition_speed`").code(causes::OPTIONS_TOGETHER);
                 return Err(failure
                     .hint("add the speed that parts rest from sliding, such as a hundredth of the speeds that matter")
                     .into());
@@ -165,8 +166,9 @@ fn friction_curve() -> Function {
             };
             let least = points.iter().map(|(_, coefficient)| *coefficient).fold(f64::INFINITY, f64::min);
             let Some(curve) = FrictionCurve::new(points) else {
-                let failure =
-                    argument.fail("speeds and coefficients of `friction_curve` must be 0 or more, and at least one pair is needed");
+                let failure = argument
+                    .fail("speeds and coefficients of `friction_curve` must be 0 or more, and at least one pair is needed")
+                    .code(causes::OUT_OF_RANGE);
                 return Err(failure.hint("write `[[0.0, 0.45], [1.0, 0.3]]`").into());
             };
             warn_of_percent(&argument, if least.is_finite() { least } else { 0.0 });
@@ -184,7 +186,8 @@ fn sampled(argument: &Argument, closure: &Callback) -> Result<Vec<(f64, f64)>, B
         match as_number(&value) {
             Some(number) if number.is_finite() && number >= 0.0 => Ok((speed, number)),
             _ => {
-                let failure = argument.fail(format!("{} must give a coefficient of 0 or more", argument.title()));
+                let failure =
+                    argument.fail(format!("{} must give a coefficient of 0 or more", argument.title())).code(causes::OUT_OF_RANGE);
                 let given = describe(argument.call().engine(), &value);
                 Err(failure
                     .label(format!("at the speed {} this gives {given}", number_text(speed)))

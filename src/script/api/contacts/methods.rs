@@ -9,6 +9,7 @@ use crate::contact::{ContactMethod, FacetShape, METHODS, MORTAR, Obstacle};
 use crate::dynamics::{Enforcement, UPDATE_RULES, UpdateRule};
 use crate::math::catalogue::Interval;
 use crate::script::language::arguments::{Arguments, Options};
+use crate::script::language::causes;
 use crate::script::language::failure::Failure;
 use crate::script::language::function::{Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
@@ -94,7 +95,7 @@ pub fn shapes_of(options: &Options, has_obstacle: bool) -> Result<[Option<Obstac
             continue;
         }
         if has_obstacle {
-            let failure = argument.fail(format!("{} has no meaning for a rigid obstacle", argument.title()));
+            let failure = argument.fail(format!("{} has no meaning for a rigid obstacle", argument.title())).code(causes::BODY_KIND);
             let failure = failure.cause("contact with an obstacle is at the nodes of the body, and the obstacle is exact");
             return Err(failure.hint("leave the option out"));
         }
@@ -149,7 +150,7 @@ pub fn rules_of(options: &Options) -> Result<(Option<&'static UpdateRule>, Enfor
         (Some(factor), None) => Enforcement::Penalty { factor },
         (None, Some(factor)) => Enforcement::AugmentedLagrange { factor },
         (Some(_), Some(_)) => {
-            let failure = augmented.fail("`penalty` and `augmented_lagrange` exclude each other");
+            let failure = augmented.fail("`penalty` and `augmented_lagrange` exclude each other").code(causes::OPTIONS_TOGETHER);
             return Err(failure.hint("leave one of them out: `penalty` allows a small penetration, `augmented_lagrange` none"));
         }
     };

@@ -8,6 +8,7 @@ use crate::math::catalogue::Interval;
 use crate::script::api::models::description::describe_obstacle;
 use crate::script::api::time_functions::amplitude_of;
 use crate::script::language::arguments::{Argument, Arguments, Options};
+use crate::script::language::causes;
 use crate::script::language::digits::vector_text;
 use crate::script::language::failure::Failure;
 use crate::script::language::function::{Form, Function, Topic, body};
@@ -119,12 +120,12 @@ pub fn shape(
             let turns = matches!(moves, Moves::Round | Moves::AboutAxis | Moves::AboutNormal);
             let turn = if turns { over_time("angle")? } else { None };
             if turn.is_some() && moves == Moves::AboutNormal && !matches!(obstacle, Obstacle::InSpace(_)) {
-                let failure = nested.argument("angle").fail("a border of the plane does not turn about its normal");
+                let failure = nested.argument("angle").fail("a border of the plane does not turn about its normal").code(causes::DIMENSION);
                 return Err(failure.hint("leave it out, or take a rigid body whose boundary is moved with `prescribe`").into());
             }
             if motion[2].is_some() && !matches!(obstacle, Obstacle::InSpace(_)) {
                 let argument = nested.argument("z");
-                let failure = argument.fail("an obstacle of the plane does not move along z");
+                let failure = argument.fail("an obstacle of the plane does not move along z").code(causes::DIMENSION);
                 return Err(failure.hint("leave it out, or give a point and a normal of 3 numbers").into());
             }
             Ok(Dynamic::from(ObstacleHandle { obstacle, motion, turn }))
@@ -146,7 +147,7 @@ pub fn radius(summary: &'static str) -> Parameter {
 pub fn direction(argument: &Argument) -> Result<[f64; 3], Failure> {
     let vector = argument.vector(3)?;
     if vector == [0.0; 3] {
-        let failure = argument.fail(format!("{} has no direction", argument.title()));
+        let failure = argument.fail(format!("{} has no direction", argument.title())).code(causes::NO_DIRECTION);
         return Err(failure.label("this has length 0").hint("give a direction, such as `[0.0, 0.0, 1.0]`"));
     }
     Ok(vector)
@@ -170,7 +171,7 @@ fn rigid_plane() -> Function {
             }
             let (point, normal) = (point.vector(2)?, argument.vector(2)?);
             if normal == [0.0; 3] {
-                let failure = argument.fail(format!("{} has no direction", argument.title()));
+                let failure = argument.fail(format!("{} has no direction", argument.title())).code(causes::NO_DIRECTION);
                 return Err(failure.label("this has length 0").hint("give the direction away from the plane, such as `[0.0, 1.0]`"));
             }
             Ok(Obstacle::HalfPlane { point: [point[0], point[1]], normal: [normal[0], normal[1]] })
@@ -217,11 +218,11 @@ fn rigid_polyline() -> Function {
             let argument = options.argument("points");
             let points = argument.points()?;
             if points.len() < 2 {
-                let failure = argument.fail(format!("{} must have at least 2 points", argument.title()));
+                let failure = argument.fail(format!("{} must have at least 2 points", argument.title())).code(causes::COUNT);
                 return Err(failure.label(format!("this has {}", points.len())).hint("name the ends of at least one facet"));
             }
             if let Some(twice) = points.windows(2).find(|pair| pair[0] == pair[1]) {
-                let failure = argument.fail(format!("{} has a facet of length 0", argument.title()));
+                let failure = argument.fail(format!("{} has a facet of length 0", argument.title())).code(causes::NO_DIRECTION);
                 return Err(failure.label(format!("{} comes twice in a row", vector_text(&twice[0]))).hint("leave out one of the two"));
             }
             Ok(Obstacle::Polyline { points })

@@ -11,6 +11,7 @@ use crate::script::api::meshes::boundaries::boundary_named;
 use crate::script::api::meshes::handle::MeshHandle;
 use crate::script::api::meshes::reader::{read_failure, readable};
 use crate::script::language::arguments::{Argument, Arguments, Options};
+use crate::script::language::causes;
 use crate::script::language::diagnostics::Diagnostic;
 use crate::script::language::failure::Failure;
 use crate::script::language::function::Function;
@@ -82,7 +83,7 @@ fn rigid_cylinder() -> Function {
             }
             let edge = options.argument("edge_radius");
             if edge.is_given() {
-                let failure = edge.fail(format!("{} goes with a `length`", edge.title()));
+                let failure = edge.fail(format!("{} goes with a `length`", edge.title())).code(causes::OPTIONS_TOGETHER);
                 return Err(failure.label("this cylinder has no ends").hint("give its `length`, or leave this out"));
             }
             in_space(ObstacleInSpace::Cylinder { point, axis, radius, is_hollow })
@@ -94,14 +95,15 @@ fn rigid_cylinder() -> Function {
 fn finite_cylinder(options: &Options, (center, axis, radius): ([f64; 3], [f64; 3], f64)) -> Result<Obstacle, Failure> {
     let inside = options.argument("inside");
     if options.flag("inside")? {
-        let failure = inside.fail("bodies are outside of a cylinder with ends");
+        let failure = inside.fail("bodies are outside of a cylinder with ends").code(causes::OPTIONS_TOGETHER);
         return Err(failure.hint("leave out `length`, and close the pipe with a `rigid_plane` in a contact of its own"));
     }
     let (length, argument) = (options.number("length")?, options.argument("edge_radius"));
     let most = radius.min(0.5 * length);
     let edge = if argument.is_given() { options.number("edge_radius")? } else { EDGE * most };
     if edge > most {
-        let failure = argument.fail(format!("{} must be no larger than the radius and half the length", argument.title()));
+        let failure =
+            argument.fail(format!("{} must be no larger than the radius and half the length", argument.title())).code(causes::ORDER);
         return Err(failure.label(format!("at most {most} fits")).hint("write a smaller one, or leave it out"));
     }
     in_space(ObstacleInSpace::FiniteCylinder { center, axis, radius, length, edge })
@@ -146,7 +148,8 @@ fn rigid_torus() -> Function {
             let (radius, tube, is_hollow) = (options.number("radius")?, options.number("tube_radius")?, options.flag("inside")?);
             if tube >= radius {
                 let argument = options.argument("tube_radius");
-                let failure = argument.fail(format!("{} must be smaller than the radius of the ring", argument.title()));
+                let failure =
+                    argument.fail(format!("{} must be smaller than the radius of the ring", argument.title())).code(causes::ORDER);
                 return Err(failure
                     .label(format!("the ring has the radius {radius}"))
                     .hint("else the torus has no hole, and crosses itself"));
@@ -172,7 +175,8 @@ fn rigid_box() -> Function {
             let (argument, origin) = (options.argument("size"), options.argument("origin").vector(3)?);
             let size = argument.vector(3)?;
             if size.iter().any(|&edge| edge <= 0.0) {
-                let failure = argument.fail(format!("{} must have three numbers greater than 0", argument.title()));
+                let failure =
+                    argument.fail(format!("{} must have three numbers greater than 0", argument.title())).code(causes::OUT_OF_RANGE);
                 return Err(failure.hint("`origin` is the lowest corner"));
             }
             let high = [0, 1, 2].map(|i| origin[i] + size[i]);
@@ -208,7 +212,7 @@ fn rigid_surface() -> Function {
         |options| {
             let (file, mesh) = (options.argument("file"), options.argument("mesh"));
             if file.is_given() == mesh.is_given() {
-                let failure = file.fail("`rigid_surface` takes either a `file` or a `mesh`");
+                let failure = file.fail("`rigid_surface` takes either a `file` or a `mesh`").code(causes::OPTIONS_TOGETHER);
                 return Err(failure.hint("write `rigid_surface(#{ file: \"die.stl\" })`"));
             }
             let argument = if file.is_given() { &file } else { &mesh };
@@ -244,7 +248,7 @@ fn of_file(argument: &Argument) -> Result<Triangles, Failure> {
 fn of_mesh(options: &Options, argument: &Argument) -> Result<Triangles, Failure> {
     let mesh = argument.handle::<MeshHandle>()?.mesh();
     if mesh.dimension() != 3 {
-        let failure = argument.fail("a rigid surface needs a mesh in space");
+        let failure = argument.fail("a rigid surface needs a mesh in space").code(causes::DIMENSION);
         return Err(failure.label("this mesh is plane").hint("`extrude` makes a mesh in space of it"));
     }
     let name = options.argument("boundary");

@@ -16,6 +16,7 @@ use crate::script::api::models::arguments::{body_boundary, boundary_of};
 use crate::script::api::models::change::change;
 use crate::script::api::models::handle::{BoundaryHandle, ModelHandle};
 use crate::script::language::arguments::{Argument, Arguments};
+use crate::script::language::causes;
 use crate::script::language::failure::Failure;
 use crate::script::language::function::{Call, Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
@@ -91,7 +92,7 @@ fn add_contact() -> Function {
             let idle = if has_curves { &["method"][..] } else { &["method", "facets"] };
             let given = idle.iter().map(|name| options.argument(name)).find(Argument::is_given);
             if let (Partner::Obstacle { .. }, Some(argument)) = (&partner, given) {
-                let failure = argument.fail(format!("{} has no meaning for a rigid obstacle", argument.title()));
+                let failure = argument.fail(format!("{} has no meaning for a rigid obstacle", argument.title())).code(causes::BODY_KIND);
                 let failure = failure.cause("an obstacle has no facets to integrate over: the gap of a node is its distance");
                 return Err(failure.hint("leave the option out").into());
             }
@@ -224,7 +225,7 @@ fn secondary_of(call: &Call, argument: &Argument, model: &ModelHandle) -> Result
     let sides = boundaries_of(call, argument, model)?;
     let body = sides[0].body;
     if sides.iter().any(|side| side.body != body) {
-        let failure = argument.fail(format!("{} has boundaries of several bodies", argument.title()));
+        let failure = argument.fail(format!("{} has boundaries of several bodies", argument.title())).code(causes::OTHER_OWNER);
         return Err(failure.hint("define a contact for each body; several bodies may be the `primary` side of each"));
     }
     let boundaries: Vec<Boundary> = sides.into_iter().map(|side| side.boundary).collect();
@@ -238,14 +239,14 @@ fn boundaries_of(call: &Call, argument: &Argument, model: &ModelHandle) -> Resul
     let mut surfaces = Vec::new();
     for entry in entries.iter() {
         let Some(boundary) = entry.clone().try_cast::<BoundaryHandle>() else {
-            let failure = argument.fail(format!("every entry of {} must be a Boundary", argument.title()));
+            let failure = argument.fail(format!("every entry of {} must be a Boundary", argument.title())).code(causes::WRONG_TYPE);
             let failure = failure.label(format!("this contains {}", describe(call.engine(), entry)));
             return Err(failure.hint("write `[first.boundary(\"top\"), second.boundary(\"top\")]`; an obstacle is a contact of its own"));
         };
         surfaces.push(body_boundary(argument, boundary, model)?);
     }
     if surfaces.is_empty() {
-        let failure = argument.fail(format!("{} is empty", argument.title()));
+        let failure = argument.fail(format!("{} is empty", argument.title())).code(causes::EMPTY);
         return Err(failure.hint("name at least one boundary of a body"));
     }
     Ok(surfaces)

@@ -6,6 +6,7 @@ use rhai::{Array, Dynamic};
 use serde_json::Value;
 
 use crate::script::language::arguments::Arguments;
+use crate::script::language::causes;
 use crate::script::language::diagnostics::Diagnostic;
 use crate::script::language::digits::number_text;
 use crate::script::language::failure::Failure;
@@ -56,7 +57,7 @@ pub fn result() -> Function {
         body: body(|call| {
             let (name, value) = (call.name("name")?, call.argument("value"));
             if name.trim().is_empty() {
-                let failure = call.argument("name").fail("`name` of `result` must be a word or a few");
+                let failure = call.argument("name").fail("`name` of `result` must be a word or a few").code(causes::WRONG_TYPE);
                 return Err(failure.hint("write `result(\"peak pressure\", p)`, for example").into());
             }
             let Some(plain) = plain(&value.value()) else { return Err(refused(call, &value.value()).into()) };
@@ -73,7 +74,10 @@ pub fn result() -> Function {
 }
 
 fn refused(call: &Call, value: &Dynamic) -> Failure {
-    let failure = call.argument("value").fail("`value` of `result` must be a number, a text, `true` or `false`, or an array of these");
+    let failure = call
+        .argument("value")
+        .fail("`value` of `result` must be a number, a text, `true` or `false`, or an array of these")
+        .code(causes::WRONG_TYPE);
     failure
         .label(format!("this is {}", describe(call.engine(), value)))
         .hint("give one number that tells it, such as the last of a column: `sim.history.total[-1]`")

@@ -10,6 +10,7 @@ use super::run_folder::RunFolder;
 use super::shown::Pictures;
 use crate::output::{Drawing, OutputError, png, svg};
 use crate::script::language::arguments::Arguments;
+use crate::script::language::causes;
 use crate::script::language::failure::Failure;
 use crate::script::language::function::Call;
 use crate::script::language::parameter::{Kind, Parameter};
@@ -98,7 +99,7 @@ pub fn checked_path(call: &Call, endings: &[&str]) -> Result<String, Failure> {
         return Ok(path);
     }
     let quoted: Vec<String> = endings.iter().map(|ending| format!("`{ending}`")).collect();
-    let failure = argument.fail(format!("{} must end with {}", argument.title(), joined(&quoted, "or")));
+    let failure = argument.fail(format!("{} must end with {}", argument.title(), joined(&quoted, "or"))).code(causes::FILE);
     // Another extension in the name is replaced.
     let stem = path.rsplit_once('.').filter(|(stem, ending)| !stem.is_empty() && !ending.contains('/')).map_or(&*path, |(stem, _)| stem);
     let is_video = [".mp4", ".webm", ".avi", ".mov", ".mkv"].iter().any(|ending| path.ends_with(ending));

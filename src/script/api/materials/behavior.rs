@@ -8,6 +8,7 @@ use crate::math::catalogue::Interval;
 use crate::output::{Curve, Plot, PlotAxis};
 use crate::script::api::files::writing::{path_parameter, write_drawing};
 use crate::script::language::arguments::Arguments;
+use crate::script::language::causes;
 use crate::script::language::digits::number_text;
 use crate::script::language::failure::{Class, Failure};
 use crate::script::language::function::{Call, Form, Function, Topic, body};
@@ -71,7 +72,10 @@ fn uniaxial_path() -> Function {
             let (material, argument) = (call.receiver::<MaterialHandle>().0, call.argument("stretches"));
             let stretches = argument.numbers()?;
             if let Some(stretch) = stretches.iter().find(|stretch| **stretch <= 0.0 || !stretch.is_finite()) {
-                return Err(argument.fail(format!("a stretch is {}, not greater than 0", number_text(*stretch))).into());
+                return Err(argument
+                    .fail(format!("a stretch is {}, not greater than 0", number_text(*stretch)))
+                    .code(causes::OUT_OF_RANGE)
+                    .into());
             }
             let (mut all, mut ends, mut last) = (Vec::new(), Vec::new(), 1.0);
             for &stretch in &stretches {
@@ -153,7 +157,7 @@ fn plot() -> Function {
                 true => match given.numbers_of(2)?[..] {
                     [low, high] if 0.0 < low && low <= 1.0 && 1.0 <= high && low < high => [low, high],
                     _ => {
-                        let failure = given.fail(format!("{} must go from at most 1 to at least 1", given.title()));
+                        let failure = given.fail(format!("{} must go from at most 1 to at least 1", given.title())).code(causes::ORDER);
                         return Err(failure.label("not around 1").hint("write `stretches: [0.5, 3.0]`").into());
                     }
                 },

@@ -8,6 +8,7 @@ use super::handle::MaterialHandle;
 use crate::materials::{EnergyError, EnergyText, Material, MaterialError, StoredEnergy, functions_of_energies, quantities_of_energies};
 use crate::math::catalogue::Interval;
 use crate::script::language::arguments::{Argument, Arguments, Options};
+use crate::script::language::causes;
 use crate::script::language::digits::number_text;
 use crate::script::language::failure::Failure;
 use crate::script::language::function::{Call, Form, Function, Topic, body};
@@ -123,8 +124,10 @@ fn constants_of(
             return Err(unused(call, options, &key, &named));
         }
         let number = as_number(&value).filter(|number| number.is_finite()).ok_or_else(|| {
-            let failure =
-                call.fail(format!("the constant `{key}` of the energy must be a finite number")).at(options.target_of(&key, true));
+            let failure = call
+                .fail(format!("the constant `{key}` of the energy must be a finite number"))
+                .code(causes::OUT_OF_RANGE)
+                .at(options.target_of(&key, true));
             failure.label(format!("this is {}", describe(call.engine(), &value)))
         })?;
         constants.push((key, number));
@@ -134,7 +137,8 @@ fn constants_of(
 
 /// Failure of a key that occurs in no text of the energy.
 fn unused(call: &Call, options: &Options, key: &str, named: &[String]) -> Failure {
-    let failure = call.fail(format!("`hyperelastic` has no option `{key}`, and the energy names no constant `{key}`"));
+    let failure =
+        call.fail(format!("`hyperelastic` has no option `{key}`, and the energy names no constant `{key}`")).code(causes::NO_SUCH);
     let failure = failure.at(options.target_of(key, false)).label("names nothing");
     let failure = match named {
         [] => failure.cause("the energy names no constants"),
@@ -153,17 +157,24 @@ fn fibers_of(options: &Options) -> Result<Vec<[f64; 3]>, Failure> {
     match (one.is_given(), several.is_given()) {
         (false, false) => Ok(Vec::new()),
         (true, false) => Ok(vec![direction(&one, &one.array()?)?]),
-        (true, true) => Err(several.fail("`fiber` and `fibers` are both given").hint("give all directions in `fibers`")),
+        (true, true) => {
+            Err(several.fail("`fiber` and `fibers` are both given").code(causes::OPTIONS_TOGETHER).hint("give all directions in `fibers`"))
+        }
         (false, true) => {
             let list = several.array()?;
             if list.len() > 2 {
-                let failure =
-                    several.fail("`fibers` of `hyperelastic` must have at most two directions").label(format!("this has {}", list.len()));
+                let failure = several
+                    .fail("`fibers` of `hyperelastic` must have at most two directions")
+                    .code(causes::COUNT)
+                    .label(format!("this has {}", list.len()));
                 return Err(failure.cause("`I4` belongs to the first of them and `I6` to the second"));
             }
             let entry = |entry: &Dynamic| match entry.read_lock::<Array>() {
                 Some(numbers) => direction(&several, &numbers),
-                None => Err(several.fail("every entry of `fibers` must be a direction").hint("write `fibers: [[1, 0], [0, 1]]`")),
+                None => Err(several
+                    .fail("every entry of `fibers` must be a direction")
+                    .code(causes::NO_DIRECTION)
+                    .hint("write `fibers: [[1, 0], [0, 1]]`")),
             };
             list.iter().map(entry).collect()
         }
@@ -172,7 +183,8 @@ fn fibers_of(options: &Options) -> Result<Vec<[f64; 3]>, Failure> {
 
 fn direction(argument: &Argument, numbers: &Array) -> Result<[f64; 3], Failure> {
     let numbers: Option<Vec<f64>> = numbers.iter().map(|number| as_number(number).filter(|number| number.is_finite())).collect();
-    let wrong = || argument.fail("a fiber's direction must be two or three numbers").hint("write `[x, y]` or `[x, y, z]`");
+    let wrong =
+        || argument.fail("a fiber's direction must be two or three numbers").code(causes::COUNT).hint("write `[x, y]` or `[x, y, z]`");
     let mut direction = [0.0; 3];
     match numbers {
         Some(numbers) if (2..=3).contains(&numbers.len()) => direction[..numbers.len()].copy_from_slice(&numbers),
@@ -182,5 +194,8 @@ fn direction(argument: &Argument, numbers: &Array) -> Result<[f64; 3], Failure> 
     if length > 0.0 && length.is_finite() {
         return Ok(direction);
     }
-    Err(argument.fail("a fiber's direction must have a length").label(format!("this has {}", number_text(length))))
+    Err(argument
+        .fail("a fiber's direction must have a length")
+        .code(causes::NO_DIRECTION)
+        .label(format!("this has {}", number_text(length))))
 }

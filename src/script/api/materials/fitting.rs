@@ -8,6 +8,7 @@ use crate::materials::{CATALOGUE, EnergyError, EnergyText, Fit, FitError, HYPERE
 use crate::output::{Curve, CurveStyle, Plot, PlotAxis};
 use crate::script::api::files::writing::{path_parameter, write_drawing};
 use crate::script::language::arguments::{Argument, Arguments, Options};
+use crate::script::language::causes;
 use crate::script::language::failure::{Details, Failure};
 use crate::script::language::function::{Call, Form, Function, Topic, body};
 use crate::script::language::parameter::{Absent, Kind, Parameter};
@@ -64,7 +65,12 @@ pub fn function() -> Function {
             let (start, fixed) = (known(&options, "start", &law)?, known(&options, "fixed", &law)?);
             let free: Vec<&String> = law.names.iter().filter(|name| !fixed.iter().any(|(known, _)| known == *name)).collect();
             if free.is_empty() {
-                return Err(call.argument("law").fail("the law has no constant to find").hint("name constants in the energy").into());
+                return Err(call
+                    .argument("law")
+                    .fail("the law has no constant to find")
+                    .code(causes::NO_SUCH)
+                    .hint("name constants in the energy")
+                    .into());
             }
             let energy = |values: &[f64]| {
                 let found = free.iter().map(|name| name.to_string()).zip(values.iter().copied());
@@ -159,17 +165,20 @@ fn known(options: &Options, key: &str, law: &Law) -> Result<Vec<(String, f64)>, 
     }
     let value = argument.value();
     let Some(map) = value.read_lock::<Map>() else {
-        return Err(argument.fail(format!("{} must be an object map", argument.title())).hint("write `#{ name: value }`"));
+        return Err(argument
+            .fail(format!("{} must be an object map", argument.title()))
+            .code(causes::WRONG_TYPE)
+            .hint("write `#{ name: value }`"));
     };
     let entry = |(name, value): (&rhai::Identifier, &Dynamic)| {
         if !law.names.iter().any(|known| known == name.as_str()) {
-            let failure = argument.fail(format!("the law has no constant `{name}`"));
+            let failure = argument.fail(format!("the law has no constant `{name}`")).code(causes::NO_SUCH);
             let failure = failure.cause(format!("its constants are {}", listed(&law.names, "and")));
             return Err(failure.hint(did_you_mean(name, law.names.iter().map(String::as_str)).unwrap_or_else(|| "remove it".into())));
         }
         match as_number(value).filter(|number| number.is_finite()) {
             Some(number) => Ok((name.to_string(), number)),
-            None => Err(argument.fail(format!("`{name}` of {} must be a finite number", argument.title()))),
+            None => Err(argument.fail(format!("`{name}` of {} must be a finite number", argument.title())).code(causes::OUT_OF_RANGE)),
         }
     };
     map.iter().map(entry).collect()
@@ -186,7 +195,7 @@ fn measured(call: &Call, options: &Options) -> Result<Vec<Measured>, Failure> {
         }
     }
     if all.is_empty() {
-        return Err(call.fail("`fit` has no test to fit to").hint("give a table, `#{ uniaxial: \"uniaxial.csv\" }`"));
+        return Err(call.fail("`fit` has no test to fit to").code(causes::EMPTY).hint("give a table, `#{ uniaxial: \"uniaxial.csv\" }`"));
     }
     Ok(all)
 }
@@ -194,7 +203,10 @@ fn measured(call: &Call, options: &Options) -> Result<Vec<Measured>, Failure> {
 fn sound(argument: &Argument, points: Vec<[f64; 2]>) -> Result<Vec<[f64; 2]>, Failure> {
     match points.iter().find(|point| point[0] <= 0.0 || !point.iter().all(|x| x.is_finite())) {
         Some([stretch, _]) => {
-            let failure = argument.fail(format!("{} must have positive stretches", argument.title())).label(format!("this has {stretch}"));
+            let failure = argument
+                .fail(format!("{} must have positive stretches", argument.title()))
+                .code(causes::OUT_OF_RANGE)
+                .label(format!("this has {stretch}"));
             Err(failure.hint("a stretch is the length over the undeformed length; write strains under a header with `strain`"))
         }
         None => Ok(points),
@@ -212,7 +224,9 @@ fn pairs(argument: &Argument) -> Result<Vec<[f64; 2]>, Failure> {
     match points.filter(|points| !points.is_empty()) {
         Some(points) => sound(argument, points),
         None => {
-            let failure = argument.fail(format!("{} must be a file's path or an array of pairs of numbers", argument.title()));
+            let failure = argument
+                .fail(format!("{} must be a file's path or an array of pairs of numbers", argument.title()))
+                .code(causes::WRONG_TYPE);
             let failure = failure.label(format!("this is {}", describe(argument.call().engine(), &value)));
             Err(failure.hint("write `[[1.1, 0.14], [1.5, 0.36]]`"))
         }
@@ -228,7 +242,8 @@ fn read(call: &Call, argument: &Argument) -> Result<Vec<[f64; 2]>, Failure> {
         hints.iter().fold(failure, |failure, hint| failure.hint(hint.clone()))
     };
     let file = call.host.sandbox.readable(&path).map_err(again)?;
-    let text = files::read_text(&file).map_err(|error| argument.fail(format!("\"{path}\" cannot be read: {}", reason(&error))))?;
+    let text = files::read_text(&file)
+        .map_err(|error| argument.fail(format!("\"{path}\" cannot be read: {}", reason(&error))).code(causes::FILE))?;
     let (mut points, mut is_strain) = (Vec::new(), false);
     for (index, line) in text.lines().enumerate() {
         let line = line.split('#').next().unwrap_or("").trim();
@@ -239,13 +254,16 @@ fn read(call: &Call, argument: &Argument) -> Result<Vec<[f64; 2]>, Failure> {
             Some(numbers) if numbers.len() == 2 => points.push([numbers[0] + if is_strain { 1.0 } else { 0.0 }, numbers[1]]),
             None if points.is_empty() && !is_strain => is_strain = line.to_lowercase().contains("strain"),
             _ => {
-                let failure = argument.fail(format!("line {} of \"{path}\" has no two numbers", index + 1));
+                let failure = argument.fail(format!("line {} of \"{path}\" has no two numbers", index + 1)).code(causes::FILE);
                 return Err(failure.cause(format!("it reads `{line}`")).hint("write a stretch and a nominal stress in each line"));
             }
         }
     }
     if points.is_empty() {
-        return Err(argument.fail(format!("\"{path}\" has no points")).hint("write a stretch and a nominal stress in each line"));
+        return Err(argument
+            .fail(format!("\"{path}\" has no points"))
+            .code(causes::EMPTY)
+            .hint("write a stretch and a nominal stress in each line"));
     }
     sound(argument, points)
 }

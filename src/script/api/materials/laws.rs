@@ -6,6 +6,7 @@ use super::handle::MaterialHandle;
 use crate::materials::{CATALOGUE, LINEAR, Material, MaterialError, MaterialRow, VolumetricForm};
 use crate::math::catalogue;
 use crate::script::language::arguments::Arguments;
+use crate::script::language::causes;
 use crate::script::language::digits::number_text;
 use crate::script::language::function::{Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
@@ -78,7 +79,7 @@ pub fn functions() -> Vec<Function> {
                 Some((_, value)) => Ok(Dynamic::from(*value)),
                 None => {
                     let names: Vec<String> = constants.iter().map(|(name, _)| format!("`{name}`")).collect();
-                    let failure = call.fail(format!("the material has no constant `{name}`"));
+                    let failure = call.fail(format!("the material has no constant `{name}`")).code(causes::NO_SUCH);
                     let failure = failure.cause(format!("its constants are {}", joined(&names, "and")));
                     let suggestion = did_you_mean(&name, constants.iter().map(|(name, _)| *name));
                     Err(failure.hint(suggestion.unwrap_or_else(|| "use one of these names".into())).into())

@@ -6,6 +6,7 @@ use super::handle::MaterialHandle;
 use crate::materials::{BackStress, ElasticPlastic, Hardening, Material, MaterialError, PlasticityError, RateDependence};
 use crate::math::catalogue::Interval;
 use crate::script::language::arguments::{Argument, Arguments};
+use crate::script::language::causes;
 use crate::script::language::diagnostics::Diagnostic;
 use crate::script::language::digits::number_text;
 use crate::script::language::failure::Failure;
@@ -126,7 +127,9 @@ fn hardening_of(argument: &Argument) -> Result<Hardening, Failure> {
     let mut numbers = Vec::new();
     for (key, value) in map.iter() {
         let number = as_number(value).ok_or_else(|| {
-            argument.fail(format!("`{key}` of `hardening` is {}, not a number", described(argument.call().engine(), value)))
+            argument
+                .fail(format!("`{key}` of `hardening` is {}, not a number", described(argument.call().engine(), value)))
+                .code(causes::WRONG_TYPE)
         })?;
         numbers.push((key.as_str(), number));
     }
@@ -141,6 +144,7 @@ fn hardening_of(argument: &Argument) -> Result<Hardening, Failure> {
             let keys: Vec<String> = numbers.iter().map(|(key, _)| format!("`{key}`")).collect();
             Err(argument
                 .fail(format!("no hardening has the constants {}", keys.join(", ")))
+                .code(causes::NO_SUCH)
                 .hint("Voce: `#{ saturation, exponent, modulus }`; Swift: `#{ strain, exponent }`; Ludwik: `#{ modulus, exponent }`"))
         }
     }
@@ -152,9 +156,9 @@ fn points_of(argument: &Argument, points: &Array) -> Result<Vec<[f64; 2]>, Failu
         let both = value.read_lock::<Array>().map(|pair| pair.iter().filter_map(as_number).collect::<Vec<f64>>());
         match both.as_deref() {
             Some(&[strain, stress]) => Ok([strain, stress]),
-            _ => {
-                Err(argument.fail(format!("entry {} is {}, not a pair of numbers", index + 1, described(argument.call().engine(), value))))
-            }
+            _ => Err(argument
+                .fail(format!("entry {} is {}, not a pair of numbers", index + 1, described(argument.call().engine(), value)))
+                .code(causes::WRONG_TYPE)),
         }
     };
     points.iter().enumerate().map(pair).collect()
@@ -164,7 +168,9 @@ fn points_of(argument: &Argument, points: &Array) -> Result<Vec<[f64; 2]>, Failu
 fn receiver(call: &Call) -> Result<ElasticPlastic, Failure> {
     let MaterialHandle(material) = call.receiver();
     material.plasticity().cloned().ok_or_else(|| {
-        call.fail(format!("`{}` does not flow plastically", material.name())).hint("make the material with `elastic_plastic`")
+        call.fail(format!("`{}` does not flow plastically", material.name()))
+            .code(causes::BODY_KIND)
+            .hint("make the material with `elastic_plastic`")
     })
 }
 
@@ -272,7 +278,10 @@ fn hardening_curve() -> Function {
             let mut force = 0.0;
             for (index, &[strain, stress]) in points.iter().enumerate() {
                 if strain <= -1.0 || !stress.is_finite() || (index > 0 && strain <= points[index - 1][0]) {
-                    return Err(test.fail(format!("the strain of point {} is not above the one before", index + 1)).into());
+                    return Err(test
+                        .fail(format!("the strain of point {} is not above the one before", index + 1))
+                        .code(causes::ORDER)
+                        .into());
                 }
                 if stress < force {
                     break;

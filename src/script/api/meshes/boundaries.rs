@@ -5,6 +5,7 @@ use rhai::{Array, Dynamic, EvalAltResult};
 use super::handle::{MeshHandle, mesh_failure};
 use crate::mesh::{Boundary, Mesh, SelectionError};
 use crate::script::language::arguments::{Argument, Arguments};
+use crate::script::language::causes;
 use crate::script::language::diagnostics::Diagnostic;
 use crate::script::language::failure::Failure;
 use crate::script::language::function::{Call, Form, Function, Topic, body};
@@ -31,7 +32,7 @@ pub fn boundary_named(argument: &Argument, mesh: &Mesh) -> Result<Boundary, Fail
     let mut boundaries = Vec::new();
     for entry in entries.iter() {
         let Ok(name) = entry.clone().into_string() else {
-            let failure = argument.fail(format!("every entry of {} must be a name", argument.title()));
+            let failure = argument.fail(format!("every entry of {} must be a name", argument.title())).code(causes::WRONG_TYPE);
             return Err(failure
                 .label(format!("this contains {}", describe(argument.call().engine(), entry)))
                 .hint("write `[\"left\", \"top\"]`"));
@@ -39,7 +40,7 @@ pub fn boundary_named(argument: &Argument, mesh: &Mesh) -> Result<Boundary, Fail
         boundaries.push(one_boundary(argument, name, mesh)?);
     }
     match &boundaries[..] {
-        [] => Err(argument.fail(format!("{} is empty", argument.title())).hint("name at least one boundary")),
+        [] => Err(argument.fail(format!("{} is empty", argument.title())).code(causes::EMPTY).hint("name at least one boundary")),
         [one] => Ok(one.clone()),
         several => Ok(Boundary::union(several)),
     }
@@ -71,7 +72,7 @@ pub fn condition_parameters() -> Vec<Parameter> {
 /// The value is no truth value.
 pub fn truth(argument: &Argument, value: &Dynamic) -> Result<bool, Box<EvalAltResult>> {
     value.as_bool().map_err(|_| {
-        let failure = argument.fail("the condition must give `true` or `false`");
+        let failure = argument.fail("the condition must give `true` or `false`").code(causes::WRONG_TYPE);
         let given = describe(argument.call().engine(), value);
         failure.label(format!("this gives {given}")).hint("compare the coordinates, such as `|x, y| y > 0.99`").into()
     })

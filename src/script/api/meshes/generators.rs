@@ -8,6 +8,7 @@ use super::layers;
 use crate::math::catalogue::Interval;
 use crate::mesh::{self, Round};
 use crate::script::language::arguments::{Arguments, Options};
+use crate::script::language::causes;
 use crate::script::language::digits::number_text;
 use crate::script::language::failure::Failure;
 use crate::script::language::function::{Form, Function, Topic, body};
@@ -235,7 +236,9 @@ fn polygon() -> Function {
                 let names: Option<Vec<String>> = argument.array()?.into_iter().map(|name| name.into_string().ok()).collect();
                 names.filter(|names| names.len() == corners.len() && !names.iter().any(|name| name.contains(char::is_control))).ok_or_else(
                     || {
-                        let failure = argument.fail(format!("{} must be a name for each of the {} sides", argument.title(), corners.len()));
+                        let failure = argument
+                            .fail(format!("{} must be a name for each of the {} sides", argument.title(), corners.len()))
+                            .code(causes::COUNT);
                         failure
                             .label(format!("this is {}", describe(call.engine(), &argument.value())))
                             .hint("write `[\"floor\", \"wall\", …]`")
@@ -297,7 +300,7 @@ fn half_disk() -> Function {
 pub(super) fn radii_in_order(options: &Options, inner: f64, outer: f64) -> Result<(), Failure> {
     if inner >= outer {
         let argument = options.argument("outer_radius");
-        let failure = argument.fail(format!("{} must be greater than `inner_radius`", argument.title()));
+        let failure = argument.fail(format!("{} must be greater than `inner_radius`", argument.title())).code(causes::ORDER);
         let failure = failure.label(format!("this is {}", number_text(outer))).cause(format!("`inner_radius` is {}", number_text(inner)));
         return Err(failure.hint("swap the two radii, or make the wall thicker"));
     }

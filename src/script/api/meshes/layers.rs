@@ -7,6 +7,7 @@ use crate::math::catalogue::Interval;
 use crate::mesh::{Layers, MeshError};
 use crate::script::api::remedies::ScriptWords;
 use crate::script::language::arguments::{Arguments, Options};
+use crate::script::language::causes;
 use crate::script::language::failure::Failure;
 use crate::script::language::parameter::{Absent, Kind, Parameter};
 use crate::script::language::values::describe;
@@ -51,7 +52,8 @@ pub fn layers_of(options: &Options) -> Result<Option<Layers>, Failure> {
         None => value.clone().into_string().ok().map(|name| vec![name]),
     };
     let boundaries = names.filter(|names| !names.is_empty()).ok_or_else(|| {
-        let failure = argument.fail(format!("{} must be a boundary's name or an array of names", argument.title()));
+        let failure =
+            argument.fail(format!("{} must be a boundary's name or an array of names", argument.title())).code(causes::WRONG_TYPE);
         failure
             .label(format!("this is {}", describe(argument.call().engine(), &value)))
             .hint("write `\"race\"` or `[\"inner\", \"outer\"]`")

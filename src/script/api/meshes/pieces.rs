@@ -8,6 +8,7 @@ use crate::math::catalogue::Interval;
 use crate::math::tolerances::ON_SHAPE;
 use crate::mesh::{Facet, Mesh};
 use crate::script::language::arguments::{Arguments, Options};
+use crate::script::language::causes;
 use crate::script::language::diagnostics::Diagnostic;
 use crate::script::language::failure::Failure;
 use crate::script::language::function::{Call, Form, Function, Topic, body};
@@ -73,6 +74,7 @@ fn part_where() -> Function {
                 return Err(call
                     .argument("name")
                     .fail(format!("the mesh already has a part \"{name}\""))
+                    .code(causes::NAME_TAKEN)
                     .hint("choose another name")
                     .into());
             }
@@ -84,7 +86,7 @@ fn part_where() -> Function {
                 }
             }
             if cells.is_empty() {
-                let failure = call.argument("condition").fail(format!("the part \"{name}\" would have no cells"));
+                let failure = call.argument("condition").fail(format!("the part \"{name}\" would have no cells")).code(causes::EMPTY);
                 return Err(failure
                     .hint("the condition is asked at the centers of the cells; `print(mesh.quality())` shows the mesh")
                     .into());
@@ -130,7 +132,11 @@ fn boundary_by_normal() -> Function {
             let argument = call.argument("normal");
             let (normal, angle) = (argument.vector(call.receiver::<MeshHandle>().mesh().dimension())?, call.number("angle")?);
             if normal == [0.0; 3] {
-                return Err(argument.fail("a normal needs a length").hint("write `[0.0, 1.0]` for the direction of y").into());
+                return Err(argument
+                    .fail("a normal needs a length")
+                    .code(causes::NO_DIRECTION)
+                    .hint("write `[0.0, 1.0]` for the direction of y")
+                    .into());
             }
             added(call, |mesh| mesh.facets_by_normal(normal, angle), "normals point out of the body; allow a larger `angle`")
         }),
@@ -219,7 +225,11 @@ impl Shape {
             let argument = options.argument(name);
             let vector = argument.vector(dimension)?;
             let length = vector[0].hypot(vector[1]).hypot(vector[2]);
-            if length > 0.0 { Ok(vector.map(|x| x / length)) } else { Err(argument.fail(format!("`{name}` needs a length"))) }
+            if length > 0.0 {
+                Ok(vector.map(|x| x / length))
+            } else {
+                Err(argument.fail(format!("`{name}` needs a length")).code(causes::NO_DIRECTION))
+            }
         };
         match (is_given("point") && is_given("normal"), is_given("center") && is_given("radius")) {
             (true, false) => Ok(Shape::Plane { point: options.argument("point").vector(dimension)?, normal: unit("normal", dimension)? }),
@@ -232,7 +242,10 @@ impl Shape {
                 }
             }
             _ => {
-                let failure = options.argument("point").fail("`boundary_near` takes either a plane, or a sphere or cylinder");
+                let failure = options
+                    .argument("point")
+                    .fail("`boundary_near` takes either a plane, or a sphere or cylinder")
+                    .code(causes::OPTIONS_TOGETHER);
                 Err(failure.hint("write `#{ point: [0.0, 0.0], normal: [0.0, 1.0] }` or `#{ center: [0.0, 0.0], radius: 1.0 }`"))
             }
         }

@@ -11,6 +11,7 @@ use crate::mesh::{self, CellSize, Curve, MeshError, SelectionError, Side};
 use crate::script::api::remedies::ScriptWords;
 use crate::script::language::arguments::{Argument, Arguments, Options};
 use crate::script::language::callback::Callback;
+use crate::script::language::causes;
 use crate::script::language::digits::number_text;
 use crate::script::language::failure::Failure;
 use crate::script::language::function::{Form, Function, Topic, body};
@@ -162,7 +163,8 @@ fn with_size<T>(options: &Options, make: impl FnOnce(CellSize<SizeError>) -> Res
                 match as_number(&value) {
                     Some(size) if size.is_finite() && size > 0.0 => Ok(size),
                     _ => {
-                        let failure = argument.fail(format!("{} must give a number greater than 0", argument.title()));
+                        let failure =
+                            argument.fail(format!("{} must give a number greater than 0", argument.title())).code(causes::OUT_OF_RANGE);
                         let given = format!("at [{x}, {y}] this gives {}", describe(call.engine(), &value));
                         let failure = failure.label(given).hint("write `|x, y| 0.05 + 0.1 * abs(x)`");
                         Err(SelectionError::Condition(failure.into()))
@@ -192,7 +194,9 @@ fn closed_loop(argument: &Argument, value: &Dynamic) -> Result<Vec<Side>, Failur
         return Ok(vec![curve.side([0.0; 2]).map_err(refused)?]);
     }
     let wrong = |what: String| {
-        let failure = argument.fail(format!("{} must begin with a point `[x, y]` and go on with points and curves", argument.title()));
+        let failure = argument
+            .fail(format!("{} must begin with a point `[x, y]` and go on with points and curves", argument.title()))
+            .code(causes::WRONG_TYPE);
         failure.label(what).hint("write `[[0.0, 0.0], line_to([1.0, 0.0], \"floor\"), [1.0, 1.0]]`, or a `circle` alone")
     };
     let Some(entries) = value.read_lock::<Array>() else { return Err(wrong(format!("this is {}", describe(engine, value)))) };
@@ -292,11 +296,15 @@ fn arc_to() -> Function {
                 (true, false) => CurveKind::ArcAbout { to, center: plane_point(&center)?, is_clockwise: options.flag("clockwise")? },
                 (false, true) => CurveKind::ArcThrough { to, through: plane_point(&through)? },
                 (true, true) => {
-                    let failure = through.fail("an arc goes about a center or through a point, not both");
+                    let failure = through.fail("an arc goes about a center or through a point, not both").code(causes::OPTIONS_TOGETHER);
                     return Err(failure.hint("leave out `center` or `through`").into());
                 }
                 (false, false) => {
-                    return Err(call.fail("an arc needs a `center` or a point `through` which it goes").hint("add one of the two").into());
+                    return Err(call
+                        .fail("an arc needs a `center` or a point `through` which it goes")
+                        .code(causes::OPTIONS_TOGETHER)
+                        .hint("add one of the two")
+                        .into());
                 }
             };
             Ok(Dynamic::from(CurveHandle { kind, name }))

@@ -6,6 +6,7 @@ use super::handle::{MeshHandle, made};
 use crate::math::catalogue::Interval;
 use crate::mesh::{Axis, Change, Prisms};
 use crate::script::language::arguments::{Arguments, Options};
+use crate::script::language::causes;
 use crate::script::language::failure::Failure;
 use crate::script::language::function::{Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
@@ -89,8 +90,9 @@ fn extrude() -> Function {
                 for name in ["height", "layers", "grading"] {
                     let argument = options.argument(name);
                     if argument.is_given() {
-                        let failure =
-                            argument.fail(format!("{} does not go with `path`, whose points say where the layers are", argument.title()));
+                        let failure = argument
+                            .fail(format!("{} does not go with `path`, whose points say where the layers are", argument.title()))
+                            .code(causes::OPTIONS_TOGETHER);
                         return Err(failure.hint(format!("leave out `{name}` or `path`")).into());
                     }
                 }
@@ -100,7 +102,7 @@ fn extrude() -> Function {
             for name in ["height", "layers"] {
                 let argument = options.argument(name);
                 if !argument.is_given() {
-                    let failure = call.fail(format!("`extrude` needs the option `{name}`, or a `path`"));
+                    let failure = call.fail(format!("`extrude` needs the option `{name}`, or a `path`")).code(causes::OPTIONS_TOGETHER);
                     return Err(failure.hint("write `#{ height: 2.0, layers: 4 }`, or `#{ path: [[0.0, 0.0, 0.0], …] }`").into());
                 }
             }

@@ -8,6 +8,7 @@ use crate::mesh::SelectionError;
 use crate::script::api::remedies::ScriptWords;
 use crate::script::language::arguments::Arguments;
 use crate::script::language::callback::Callback;
+use crate::script::language::causes;
 use crate::script::language::diagnostics::Diagnostic;
 use crate::script::language::digits::brief;
 use crate::script::language::failure::Failure;
@@ -165,7 +166,10 @@ pub fn vector_from(call: &Call, closure: &Callback, parameter: &str, point: &[f6
             Ok(vector)
         }
         _ => {
-            let failure = call.argument(parameter).fail(format!("the closure must give the {parameter} as an array of coordinates"));
+            let failure = call
+                .argument(parameter)
+                .fail(format!("the closure must give the {parameter} as an array of coordinates"))
+                .code(causes::CLOSURE);
             let failure = failure.label(format!("this gives {}", describe(call.engine(), &value)));
             Err(failure.hint("write `|x, y| [2.0 * x, y]`").into())
         }

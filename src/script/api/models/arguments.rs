@@ -5,6 +5,7 @@ use std::rc::Rc;
 use super::handle::{BodyHandle, BoundaryHandle, ModelHandle};
 use crate::dynamics::BodyBoundary;
 use crate::script::language::arguments::Argument;
+use crate::script::language::causes;
 use crate::script::language::digits::{brief, vector_text};
 use crate::script::language::failure::Failure;
 use crate::script::language::handle::Handle;
@@ -24,7 +25,7 @@ pub fn boundary_of(argument: &Argument, model: &ModelHandle) -> Result<BodyBound
 /// A boundary of a mesh, or of another model.
 pub fn body_boundary(argument: &Argument, handle: BoundaryHandle, model: &ModelHandle) -> Result<BodyBoundary, Failure> {
     let Some(body) = &handle.body else {
-        let failure = argument.fail(format!("{} must be a boundary of a body, not of a mesh", argument.title()));
+        let failure = argument.fail(format!("{} must be a boundary of a body, not of a mesh", argument.title())).code(causes::OTHER_OWNER);
         let failure = failure.label(format!("this is boundary \"{}\" of a mesh", handle.boundary.name));
         return Err(failure.hint(format!("take it from the body that `add_body` gave: `body.boundary(\"{}\")`", handle.boundary.name)));
     };
@@ -52,7 +53,8 @@ pub fn deformable_of(argument: &Argument, model: &ModelHandle) -> Result<BodyHan
     if definition.rigid.is_none() {
         return Ok(body);
     }
-    let failure = argument.fail(format!("body \"{}\" is rigid, and its cells have no mass of their own", definition.name));
+    let failure =
+        argument.fail(format!("body \"{}\" is rigid, and its cells have no mass of their own", definition.name)).code(causes::BODY_KIND);
     Err(failure.hint("push it at a boundary with `force`, or damp it with `add_damper` or `add_bushing`; `gravity` is on all bodies"))
 }
 
@@ -64,6 +66,7 @@ fn check_model(argument: &Argument, model: &ModelHandle, body: &BodyHandle) -> R
     let ours = model.0.borrow().model.name.clone();
     Err(argument
         .fail(format!("body \"{name}\" belongs to another model"))
+        .code(causes::OTHER_OWNER)
         .label(format!("this belongs to model \"{theirs}\""))
         .cause(format!("the call adds to model \"{ours}\""))
         .hint("add the mesh to this model too: `model.add_body(name, mesh, material)`"))
@@ -94,6 +97,7 @@ pub fn node_at_point(argument: &Argument, body: &BodyHandle, point: [f64; 3]) ->
     let place = vector_text(&mesh.points[node][..dimension]);
     Err(argument
         .fail(format!("{} is no point of body \"{}\"", argument.title(), definition.name))
+        .code(causes::OTHER_OWNER)
         .label(format!("the nearest node is at {place}, {} away", brief(nearest)))
         .cause(format!("a cell of the body is about {} wide", brief(cell)))
         .hint("give a point of the undeformed body"))

@@ -10,6 +10,7 @@ use super::motors::bodies_of;
 use crate::dynamics::{BushingDefinition, across};
 use crate::script::api::examples::plate_example;
 use crate::script::language::arguments::{Argument, Arguments};
+use crate::script::language::causes;
 use crate::script::language::failure::Failure;
 use crate::script::language::function::{Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
@@ -58,7 +59,11 @@ pub fn add_bushing() -> Function {
             let axis = options.argument("axis");
             let axis_vector = if axis.is_given() { axis.vector(dimension)? } else { [1.0, 0.0, 0.0] };
             if axis_vector == [0.0; 3] {
-                return Err(axis.fail(format!("{} has no direction", axis.title())).hint("such as `[1.0, 0.0]`").into());
+                return Err(axis
+                    .fail(format!("{} has no direction", axis.title()))
+                    .code(causes::NO_DIRECTION)
+                    .hint("such as `[1.0, 0.0]`")
+                    .into());
             }
             let axes = across(axis_vector);
             let count = if dimension == 2 { 3 } else { 6 };
@@ -84,7 +89,9 @@ fn matrix_of(argument: &Argument, count: usize) -> Result<Vec<f64>, Failure> {
     match found {
         Some(found) if found.len() == count => Ok(found.concat()),
         _ => {
-            let failure = argument.fail(format!("{} must be {count} numbers, or {count} rows of {count} numbers", argument.title()));
+            let failure = argument
+                .fail(format!("{} must be {count} numbers, or {count} rows of {count} numbers", argument.title()))
+                .code(causes::WRONG_TYPE);
             Err(failure.hint("along the axes, then about them: in the plane `[kx, ky, k_angle]`, in space `[kx, ky, kz, kxx, kyy, kzz]`"))
         }
     }

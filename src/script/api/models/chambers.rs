@@ -11,6 +11,7 @@ use crate::dynamics::{BodyBoundary, ChamberDefinition, Gas};
 use crate::math::catalogue::Interval;
 use crate::script::api::examples::plate_example;
 use crate::script::language::arguments::{Argument, Arguments};
+use crate::script::language::causes;
 use crate::script::language::failure::Failure;
 use crate::script::language::function::{Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
@@ -109,14 +110,19 @@ fn facets_of(argument: &Argument, model: &ModelHandle, surfaces: &[BodyBoundary]
         for &facet in &on.boundary.facets {
             let nodes: (usize, Vec<u32>) = (on.body, mesh.facet_nodes(facet).collect());
             if facets.contains(&nodes) {
-                let failure = argument.fail(format!("the boundaries of a chamber have facets in common, of \"{}\"", on.boundary.name));
+                let failure = argument
+                    .fail(format!("the boundaries of a chamber have facets in common, of \"{}\"", on.boundary.name))
+                    .code(causes::EMPTY);
                 return Err(failure.hint("name each part of the surface once"));
             }
             facets.push(nodes);
         }
     }
     if facets.is_empty() {
-        return Err(argument.fail("the boundaries of a chamber have no facets").hint("choose boundaries that have facets"));
+        return Err(argument
+            .fail("the boundaries of a chamber have no facets")
+            .code(causes::EMPTY)
+            .hint("choose boundaries that have facets"));
     }
     Ok(facets)
 }

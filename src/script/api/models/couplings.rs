@@ -10,6 +10,7 @@ use crate::dynamics::{Coupling, CouplingKind, Sector};
 use crate::math::norms::length;
 use crate::script::api::examples::plate_example;
 use crate::script::language::arguments::{Argument, Arguments};
+use crate::script::language::causes;
 use crate::script::language::failure::Failure;
 use crate::script::language::function::{Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
@@ -44,7 +45,7 @@ pub fn add_symmetry() -> Function {
                 (true, _) => direction(&normal, dimension)?,
                 (false, Some(normal)) => normal,
                 (false, None) => {
-                    let failure = given.fail(format!("{} is not flat: it has no single normal", given.title()));
+                    let failure = given.fail(format!("{} is not flat: it has no single normal", given.title())).code(causes::NO_DIRECTION);
                     return Err(failure.hint("take a boundary in one plane, or give the direction in which its nodes are held").into());
                 }
             };
@@ -157,7 +158,7 @@ pub fn add_periodic() -> Function {
 fn direction(argument: &Argument, dimension: usize) -> Result<[f64; 3], Failure> {
     let vector = argument.vector(dimension)?;
     if length(vector) == 0.0 {
-        let failure = argument.fail(format!("{} has no direction", argument.title())).label("this has length 0");
+        let failure = argument.fail(format!("{} has no direction", argument.title())).code(causes::NO_DIRECTION).label("this has length 0");
         return Err(failure.hint("such as `[1.0, 0.0]`, in space `[0.0, 0.0, 1.0]`"));
     }
     Ok(vector)

@@ -14,6 +14,7 @@ use crate::materials::Viscosity;
 use crate::math::catalogue::Interval;
 use crate::script::api::examples::{TOUCH, plate_example};
 use crate::script::language::arguments::{Arguments, Options};
+use crate::script::language::causes;
 use crate::script::language::digits::number_text;
 use crate::script::language::failure::Failure;
 use crate::script::language::function::{Form, Function, Topic, body};
@@ -39,7 +40,7 @@ fn law_of(options: &Options) -> Result<Viscous, Failure> {
         let (coefficient, exponent) = (options.number("coefficient")?, options.number("exponent")?);
         let smoothing = options.optional_number("smoothing")?;
         if exponent < 1.0 && smoothing.is_none() {
-            let failure = options.argument("smoothing").fail("a power less than 1 needs `smoothing`");
+            let failure = options.argument("smoothing").fail("a power less than 1 needs `smoothing`").code(causes::OPTIONS_TOGETHER);
             let failure = failure.cause(format!("the exponent is {}, and the force would jump at rest", number_text(exponent)));
             return Err(failure.hint("give a speed far below those of the motion, below which the force is linear"));
         }
@@ -122,7 +123,11 @@ pub fn add_drag() -> Function {
                 nodal_areas(&body.mesh, &on.boundary, body.formulation.plane)
             };
             if on.boundary.facets.is_empty() {
-                return Err(argument.fail("drag needs a boundary with facets").hint("choose a boundary that has facets").into());
+                return Err(argument
+                    .fail("drag needs a boundary with facets")
+                    .code(causes::EMPTY)
+                    .hint("choose a boundary that has facets")
+                    .into());
             }
             let on = DragTarget::Nodes(on.body, shares, law);
             change(call, &model, |data| data.model.parts.push(Arc::new(DragDefinition { name, on })))?;

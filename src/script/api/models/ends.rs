@@ -11,6 +11,7 @@ use crate::math::norms::largest_extent;
 use crate::math::tolerances::SAME_NODE;
 use crate::script::api::materials::energies::refused;
 use crate::script::language::arguments::{Argument, Arguments, Options};
+use crate::script::language::causes;
 use crate::script::language::failure::Failure;
 use crate::script::language::parameter::{Absent, Kind, Parameter};
 use crate::script::language::values::{as_number, describe};
@@ -37,7 +38,11 @@ pub fn end_parameters() -> Vec<Parameter> {
 pub fn ends_of(options: &Options, model: &ModelHandle) -> Result<[End; 2], Failure> {
     let ends = [end_of(options, model, "from", "from_point")?, end_of(options, model, "to", "to_point")?];
     match ends.iter().all(|end| end.body().is_none()) {
-        true => Err(options.argument("to").fail("both ends are on the ground").hint("give a body or a boundary for one of them")),
+        true => Err(options
+            .argument("to")
+            .fail("both ends are on the ground")
+            .code(causes::OTHER_OWNER)
+            .hint("give a body or a boundary for one of them")),
         false => Ok(ends),
     }
 }
@@ -51,14 +56,18 @@ fn end_of(options: &Options, model: &ModelHandle, key: &str, point_key: &str) ->
     if value.is::<BoundaryHandle>() {
         let on = body_boundary(&argument, argument.handle()?, model)?;
         if point.is_given() {
-            let failure = point.fail(format!("`{point_key}` is given beside a boundary, whose centroid is the end"));
+            let failure =
+                point.fail(format!("`{point_key}` is given beside a boundary, whose centroid is the end")).code(causes::OPTIONS_TOGETHER);
             return Err(failure.hint(format!("leave it out, or give the body as `{key}`")));
         }
         let data = model.0.borrow();
         let body = &data.model.bodies[on.body];
         let shares = nodal_areas(&body.mesh, &on.boundary, body.formulation.plane);
         if shares.is_empty() {
-            return Err(argument.fail(format!("boundary \"{}\" is empty", on.boundary.name)).hint("choose a boundary that has facets"));
+            return Err(argument
+                .fail(format!("boundary \"{}\" is empty", on.boundary.name))
+                .code(causes::EMPTY)
+                .hint("choose a boundary that has facets"));
         }
         return Ok(End::mean(on.body, &shares));
     }
@@ -68,6 +77,7 @@ fn end_of(options: &Options, model: &ModelHandle, key: &str, point_key: &str) ->
     if !point.is_given() {
         return Err(point
             .fail(format!("`{point_key}` is missing"))
+            .code(causes::OPTIONS_TOGETHER)
             .hint(format!("give the point at which the end is, `{point_key}: [x, y]`")));
     }
     if value.is::<BodyHandle>() {
@@ -112,11 +122,11 @@ pub fn text_of(options: &Options, argument: &Argument, variable: &str, what: &st
         for (name, value) in map {
             let number = as_number(&value).filter(|number| number.is_finite());
             let Some(number) = number else {
-                let failure = given.fail(format!("the constant `{name}` must be a finite number"));
+                let failure = given.fail(format!("the constant `{name}` must be a finite number")).code(causes::OUT_OF_RANGE);
                 return Err(failure.label(format!("it is {}", describe(argument.call().engine(), &value))));
             };
             if !names.iter().any(|known| *known == *name) {
-                let failure = given.fail(format!("{what} names no constant `{name}`"));
+                let failure = given.fail(format!("{what} names no constant `{name}`")).code(causes::NO_SUCH);
                 let suggestion = did_you_mean(&name, names.iter().map(String::as_str)).unwrap_or_else(|| "remove it".into());
                 return Err(failure.hint(suggestion));
             }
@@ -132,7 +142,10 @@ pub fn text_of(options: &Options, argument: &Argument, variable: &str, what: &st
     };
     let function = ScalarText::new(&text, variable, &constants, what).map_err(|error| refused(argument, &in_words(error)))?;
     match function.is_undefined_at(&[0.0]) {
-        Some(_) => Err(argument.fail(format!("{what} has no finite value and slope at `{variable}` = 0")).hint("check the text there")),
+        Some(_) => Err(argument
+            .fail(format!("{what} has no finite value and slope at `{variable}` = 0"))
+            .code(causes::OUT_OF_RANGE)
+            .hint("check the text there")),
         None => Ok(function),
     }
 }
@@ -146,9 +159,16 @@ pub fn one_of(options: &Options, keys: &[&str]) -> Result<usize, Failure> {
     let given: Vec<usize> = (0..keys.len()).filter(|&k| options.argument(keys[k]).is_given()).collect();
     match given[..] {
         [one] => Ok(one),
-        [] => Err(options.argument(keys[0]).fail(format!("one of {listed} is missing")).hint("give one of them")),
+        [] => Err(options
+            .argument(keys[0])
+            .fail(format!("one of {listed} is missing"))
+            .code(causes::OPTIONS_TOGETHER)
+            .hint("give one of them")),
         [first, second, ..] => {
-            let failure = options.argument(keys[second]).fail(format!("`{}` and `{}` are both given", keys[first], keys[second]));
+            let failure = options
+                .argument(keys[second])
+                .fail(format!("`{}` and `{}` are both given", keys[first], keys[second]))
+                .code(causes::OPTIONS_TOGETHER);
             Err(failure.hint(format!("give one of {listed}")))
         }
     }

@@ -10,6 +10,7 @@ use crate::dynamics::{AxisRotation, RotatingFrameDefinition, Spin};
 use crate::script::api::examples::plate_example;
 use crate::script::api::time_functions::amplitude_of;
 use crate::script::language::arguments::{Arguments, Options};
+use crate::script::language::causes;
 use crate::script::language::failure::Failure;
 use crate::script::language::function::{Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
@@ -40,7 +41,11 @@ pub fn rotating_frame() -> Function {
             let (model, options) = (call.receiver::<ModelHandle>(), call.options("options")?);
             let definition = frame_of(&options, &model)?;
             if model.0.borrow().model.parts.iter().any(|part| part.is_gyroscopic()) {
-                return Err(call.fail("the model's frame turns already").hint("give one velocity, about one axis").into());
+                return Err(call
+                    .fail("the model's frame turns already")
+                    .code(causes::NAME_TAKEN)
+                    .hint("give one velocity, about one axis")
+                    .into());
             }
             change(call, &model, |data| data.model.parts.push(Arc::new(definition)))?;
             Ok(Dynamic::UNIT)
@@ -70,6 +75,7 @@ fn frame_of(options: &Options, model: &ModelHandle) -> Result<RotatingFrameDefin
             let which = if is_round { "that of symmetry" } else { "the third one" };
             return Err(axis
                 .fail(format!("the model has two dimensions: its frame turns about one axis, {which}"))
+                .code(causes::DIMENSION)
                 .hint("remove the option"));
         }
         (_, false) => return Err(axis.missing()),
@@ -77,7 +83,7 @@ fn frame_of(options: &Options, model: &ModelHandle) -> Result<RotatingFrameDefin
     };
     let place = if center.is_given() { center.vector(dimension)? } else { [0.0; 3] };
     if is_round && place[0] != 0.0 {
-        let failure = center.fail("the frame of bodies of revolution turns about their axis");
+        let failure = center.fail("the frame of bodies of revolution turns about their axis").code(causes::DIMENSION);
         return Err(failure.hint("remove the option, or give a point with the radius 0"));
     }
     Ok(RotatingFrameDefinition { axis, center: place, velocity })

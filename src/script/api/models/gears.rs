@@ -7,6 +7,7 @@ use super::handle::ModelHandle;
 use crate::dynamics::{Gear, JointDefinition, JointKind, Model};
 use crate::script::api::examples::plate_example;
 use crate::script::language::arguments::{Argument, Arguments};
+use crate::script::language::causes;
 use crate::script::language::failure::Failure;
 use crate::script::language::function::{Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
@@ -65,7 +66,7 @@ fn joints_of(argument: &Argument, model: &Model) -> Result<[usize; 2], Failure> 
     let names = argument.value().try_cast::<Array>().unwrap_or_default();
     let names: Vec<ImmutableString> = names.into_iter().filter_map(Dynamic::try_cast).collect();
     let [first, second] = names.as_slice() else {
-        let failure = argument.fail(format!("{} must be the names of two joints", argument.title()));
+        let failure = argument.fail(format!("{} must be the names of two joints", argument.title())).code(causes::WRONG_TYPE);
         return Err(failure.hint("such as `joints: [\"axle\", \"shaft\"]`"));
     };
     let known: Vec<&str> = model.joints.iter().map(|joint| joint.name.as_str()).collect();

@@ -12,6 +12,7 @@ use crate::math::catalogue::Interval;
 use crate::script::api::examples::plate_example;
 use crate::script::language::arguments::Arguments;
 use crate::script::language::callback::Callback;
+use crate::script::language::causes;
 use crate::script::language::digits::number_text;
 use crate::script::language::failure::Failure;
 use crate::script::language::function::{Call, Form, Function, Topic, body};
@@ -70,7 +71,7 @@ fn grow_by(call: &Call, body: &BodyHandle, closure: &Callback) -> Result<Dynamic
     for (factor, point) in factors.iter_mut().zip(&mesh.points) {
         let value = closure.call(point[..mesh.dimension()].iter().map(|&coordinate| Dynamic::from(coordinate)))?;
         let Some(number) = as_number(&value) else {
-            let failure = call.argument("factor").fail("the closure must give the factor as a number");
+            let failure = call.argument("factor").fail("the closure must give the factor as a number").code(causes::CLOSURE);
             return Err(failure
                 .label(format!("this gives {}", describe(call.engine(), &value)))
                 .hint("write `|x, y| 1.0 + 1e-3 * y`")

@@ -14,6 +14,7 @@ use crate::math::norms::length;
 use crate::script::api::examples::plate_example;
 use crate::script::api::time_functions::{RecordedTimeFunction, amplitude_of};
 use crate::script::language::arguments::Arguments;
+use crate::script::language::causes;
 use crate::script::language::digits::{number_text, vector_text};
 use crate::script::language::failure::Failure;
 use crate::script::language::function::{Call, Form, Function, Topic, body};
@@ -111,13 +112,17 @@ fn torque() -> Function {
                 return Ok(add_load(call, LoadKind::Torque([0.0, 0.0, 1.0]), "torque")?);
             }
             if dimension == 2 {
-                let failure = argument.fail("the model is plane: a torque turns about the third axis");
+                let failure = argument.fail("the model is plane: a torque turns about the third axis").code(causes::DIMENSION);
                 return Err(failure.hint("leave the axis out").into());
             }
             let axis = argument.vector(3)?;
             let size = length(axis);
             if size == 0.0 {
-                return Err(argument.fail(format!("{} has no direction", argument.title())).hint("such as `[1.0, 0.0, 0.0]`").into());
+                return Err(argument
+                    .fail(format!("{} has no direction", argument.title()))
+                    .code(causes::NO_DIRECTION)
+                    .hint("such as `[1.0, 0.0, 0.0]`")
+                    .into());
             }
             Ok(add_load(call, LoadKind::Torque(axis.map(|x| x / size)), &format!("torque about {}", vector_text(&axis)))?)
         }),

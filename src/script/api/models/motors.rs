@@ -13,6 +13,7 @@ use crate::dynamics::{ActuatorDefinition, ActuatorElement, AxisRotation, MotorDe
 use crate::script::api::examples::{TOUCH, plate_example};
 use crate::script::api::time_functions::amplitude_of;
 use crate::script::language::arguments::{Argument, Arguments, Options};
+use crate::script::language::causes;
 use crate::script::language::failure::Failure;
 use crate::script::language::function::{Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
@@ -114,7 +115,7 @@ fn masters_of(argument: &Argument, model: &ModelHandle, what: &str) -> Result<Bo
     match Frame::new(&body.mesh).filter(|_| body.rigid.is_some()) {
         Some(frame) => Ok((index, frame.masters)),
         None => {
-            let failure = argument.fail(format!("body \"{}\" deforms, and {what} rigid bodies", body.name));
+            let failure = argument.fail(format!("body \"{}\" deforms, and {what} rigid bodies", body.name)).code(causes::BODY_KIND);
             Err(failure.hint("add it with `add_rigid_body`, or load a boundary of it: `model.torque(boundary, amplitude)`"))
         }
     }
@@ -125,12 +126,17 @@ fn axis_of(options: &Options, dimension: usize) -> Result<[f64; 3], Failure> {
     let argument = options.argument("axis");
     match (dimension, argument.is_given()) {
         (2, false) => Ok(AxisRotation::UPRIGHT),
-        (2, true) => Err(argument.fail("the model is plane: a motor turns about the third axis").hint("remove the option")),
+        (2, true) => {
+            Err(argument.fail("the model is plane: a motor turns about the third axis").code(causes::DIMENSION).hint("remove the option"))
+        }
         (_, false) => Err(argument.missing()),
         (_, true) => {
             let axis = argument.vector(3)?;
             if axis == [0.0; 3] {
-                return Err(argument.fail(format!("{} has no direction", argument.title())).hint("such as `[0.0, 0.0, 1.0]`"));
+                return Err(argument
+                    .fail(format!("{} has no direction", argument.title()))
+                    .code(causes::NO_DIRECTION)
+                    .hint("such as `[0.0, 0.0, 1.0]`"));
             }
             Ok(axis)
         }

@@ -19,6 +19,7 @@ use crate::script::api::meshes::handle::MeshHandle;
 use crate::script::api::remedies::ScriptWords;
 use crate::script::api::time_functions::amplitude_of;
 use crate::script::language::arguments::{Argument, Arguments, Options};
+use crate::script::language::causes;
 use crate::script::language::digits::{brief, vector_text};
 use crate::script::language::failure::Failure;
 use crate::script::language::function::{Form, Function, Topic, body};
@@ -96,13 +97,13 @@ fn mass_of(options: &Options, mesh: &Mesh) -> Result<(Material, Inertia), Failur
     let argument = options.argument("mass");
     let density = match (density, mass) {
         (None, None) => {
-            let failure = argument.fail("a rigid body needs a mass");
+            let failure = argument.fail("a rigid body needs a mass").code(causes::OPTIONS_TOGETHER);
             return Err(
                 failure.hint("give `density`, with which its mesh is weighed, or `mass` and, if it is not that of the mesh, `inertia`")
             );
         }
         (Some(_), Some(_)) => {
-            let failure = argument.fail("`density` and `mass` say the same thing twice");
+            let failure = argument.fail("`density` and `mass` say the same thing twice").code(causes::OPTIONS_TOGETHER);
             return Err(failure.hint("leave one of them out: the density is that of the mesh's volume"));
         }
         (Some(density), None) => density,
@@ -138,7 +139,7 @@ fn moments_of(argument: &Argument, of_mesh: &Inertia, dimension: usize) -> Resul
         }
         _ => {
             let wanted = if dimension == 2 { "one number in the plane" } else { "an array of 3 or 6 numbers in space" };
-            let failure = argument.fail(format!("{} must be {wanted}", argument.title()));
+            let failure = argument.fail(format!("{} must be {wanted}", argument.title())).code(causes::WRONG_TYPE);
             Err(failure.hint(if dimension == 2 {
                 "the moment about the axis across the plane, such as `inertia: 0.7`"
             } else {
@@ -249,16 +250,18 @@ fn kind_of(options: &Options, model: &Model) -> Result<JointKind, Failure> {
     let (word, axis) = (options.text("kind")?, options.argument("axis"));
     let needs = matches!(word.as_str(), "hinge" | "slider" | "slot");
     if axis.is_given() && !needs {
-        let failure = axis.fail(format!("{} has no meaning for a joint of the kind \"{word}\"", axis.title()));
+        let failure =
+            axis.fail(format!("{} has no meaning for a joint of the kind \"{word}\"", axis.title())).code(causes::OPTIONS_TOGETHER);
         return Err(failure.hint("leave it out, or take the kind \"hinge\", \"slider\" or \"slot\""));
     }
     if word == "hinge" && model.dimension() == 2 {
-        let failure = options.argument("kind").fail("a hinge about an axis is one in space, and the bodies are plane");
+        let failure =
+            options.argument("kind").fail("a hinge about an axis is one in space, and the bodies are plane").code(causes::DIMENSION);
         return Err(failure.hint("in the plane take `kind: \"point\"` without `axis`: it leaves turning about the point free"));
     }
     if needs && !axis.is_given() {
         let what = if word == "hinge" { "the axis about which it turns" } else { "the direction of its line" };
-        let failure = options.argument("kind").fail(format!("a {word} needs `axis`: {what}"));
+        let failure = options.argument("kind").fail(format!("a {word} needs `axis`: {what}")).code(causes::OPTIONS_TOGETHER);
         let example = if model.dimension() == 3 { "[0.0, 0.0, 1.0]" } else { "[1.0, 0.0]" };
         return Err(failure.hint(format!("give it, such as `axis: {example}`")));
     }
@@ -284,7 +287,8 @@ fn limits_of(options: &Options) -> Result<Option<[f64; 2]>, Failure> {
     match values.iter().map(number_of).collect::<Option<Vec<f64>>>().as_deref() {
         Some(&[least, largest]) if least < largest => Ok(Some([least, largest])),
         _ => {
-            let failure = argument.fail(format!("{} must be two numbers, the least and the largest", argument.title()));
+            let failure =
+                argument.fail(format!("{} must be two numbers, the least and the largest", argument.title())).code(causes::WRONG_TYPE);
             Err(failure.hint("such as `limits: [deg(-30), deg(45)]`, or `limits: [0.0, 0.5]`"))
         }
     }
@@ -301,7 +305,10 @@ fn set_length(options: &Options, joint: &mut JointDefinition) -> Result<(), Fail
             Ok(())
         }
         _ if given.is_none() => Ok(()),
-        _ => Err(argument.fail("only a cable has a `length`").hint("leave it out: a link keeps the distance of its points at rest")),
+        _ => Err(argument
+            .fail("only a cable has a `length`")
+            .code(causes::OPTIONS_TOGETHER)
+            .hint("leave it out: a link keeps the distance of its points at rest")),
     }
 }
 
@@ -323,7 +330,7 @@ fn snap(argument: &Argument, model: &Model, end: &mut Anchor) -> Result<(), Fail
     let (body, (node, distance), start) = (&model.bodies[index], model.nearest_node(index, end.point), model.start(index));
     let cell = (body.mesh.measure() / body.mesh.cell_count() as f64).powf(1.0 / body.mesh.dimension() as f64);
     if distance > tolerances::SAME_NODE * cell {
-        let failure = argument.fail(format!("there is no node of body \"{}\" at this point", body.name));
+        let failure = argument.fail(format!("there is no node of body \"{}\" at this point", body.name)).code(causes::OTHER_OWNER);
         let place = vector_text(&start[node as usize][..body.mesh.dimension()]);
         let failure = failure.label(format!("the nearest is at {place}, {} away", brief(distance)));
         return Err(failure.hint("a joint holds a body that deforms at a node: give its place, or refine the mesh to have one there"));

@@ -13,6 +13,7 @@ use crate::math::catalogue::Interval;
 use crate::script::api::examples::{TOUCH, plate_example};
 use crate::script::api::time_functions::points_of;
 use crate::script::language::arguments::{Arguments, Options};
+use crate::script::language::causes;
 use crate::script::language::failure::Failure;
 use crate::script::language::function::{Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
@@ -107,7 +108,7 @@ pub fn add_torsion_spring() -> Function {
             let (name, options) = (call.name("name")?, call.options("options")?);
             let (dimension, is_round) = (model.0.borrow().model.dimension(), model.0.borrow().model.is_axisymmetric());
             if dimension != 2 || is_round {
-                let failure = call.fail("a torsional spring is for bodies that move in a plane");
+                let failure = call.fail("a torsional spring is for bodies that move in a plane").code(causes::DIMENSION);
                 return Err(failure.hint("in space, and around an axis, join bodies by springs between points").into());
             }
             let mut directions = vec![direction_of(&options, &model, "from", "from_points")?];
@@ -136,7 +137,10 @@ fn direction_of(options: &Options, model: &ModelHandle, key: &str, points_key: &
             let node = |x, y| node_at_point(&argument, &body, [x, y, 0.0]);
             Ok((body.index, [node(ax, ay)?, node(bx, by)?]))
         }
-        _ => Err(argument.fail(format!("`{points_key}` must be two points")).hint("write `[[0.0, 0.0], [1.0, 0.0]]`")),
+        _ => Err(argument
+            .fail(format!("`{points_key}` must be two points"))
+            .code(causes::OPTIONS_TOGETHER)
+            .hint("write `[[0.0, 0.0], [1.0, 0.0]]`")),
     }
 }
 
@@ -147,7 +151,7 @@ fn law_of(options: &Options) -> Result<SpringLaw, Failure> {
             let argument = options.argument("table");
             let points = points_of(&argument, ["elongation", "force"])?;
             if points.len() < 2 {
-                let failure = argument.fail("the table of a spring needs two points at least");
+                let failure = argument.fail("the table of a spring needs two points at least").code(causes::COUNT);
                 return Err(failure.hint("write `[[0.0, 0.0], [0.1, 5.0]]`"));
             }
             Elastic::Table(Arc::new(points))

@@ -10,6 +10,7 @@ use crate::math::norms::length;
 use crate::script::api::examples::plate_example;
 use crate::script::api::time_functions::amplitude_of;
 use crate::script::language::arguments::{Argument, Arguments, Options};
+use crate::script::language::causes;
 use crate::script::language::failure::Failure;
 use crate::script::language::function::{Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
@@ -65,7 +66,7 @@ pub fn prescribe() -> Function {
                 None => None,
             };
             if turn.is_none() && displacement.iter().all(Option::is_none) {
-                let failure = call.argument("motion").fail("`prescribe` names no direction");
+                let failure = call.argument("motion").fail("`prescribe` names no direction").code(causes::NO_DIRECTION);
                 return Err(failure.hint("name one, such as `#{ y: ramp(0.0, 1.0, -0.1) }`; `fix` holds nodes where they are").into());
             }
             change(call, &model, |data| data.model.prescriptions.push(Prescription { on, displacement, turn }))?;
@@ -103,7 +104,7 @@ pub(super) fn along_axes(options: &Options, dimension: usize) -> Result<[Option<
             continue;
         }
         if component >= dimension {
-            let failure = argument.fail("the model is plane: there is no direction `z`");
+            let failure = argument.fail("the model is plane: there is no direction `z`").code(causes::DIMENSION);
             return Err(failure.hint("remove the option"));
         }
         along[component] = Some(amplitude_of(&argument)?);
@@ -120,18 +121,25 @@ pub(super) fn axis_of_turn(options: &Options, dimension: usize, such_as: &str) -
     let [about, axis] = ["about", "axis"].map(|name| options.argument(name));
     if !options.argument("angle").is_given() {
         return match [about, axis].into_iter().find(Argument::is_given) {
-            Some(given) => Err(given.fail(format!("{} has no meaning without an angle", given.title())).hint(format!("add `{such_as}`"))),
+            Some(given) => Err(given
+                .fail(format!("{} has no meaning without an angle", given.title()))
+                .code(causes::OPTIONS_TOGETHER)
+                .hint(format!("add `{such_as}`"))),
             None => Ok(None),
         };
     }
     let center = if about.is_given() { about.vector(dimension)? } else { [0.0; 3] };
     let direction = if axis.is_given() { axis.vector(3)? } else { AxisRotation::UPRIGHT };
     if dimension == 2 && direction != AxisRotation::UPRIGHT {
-        return Err(axis.fail("the model is plane: it turns about the third axis").hint("remove the option"));
+        return Err(axis.fail("the model is plane: it turns about the third axis").code(causes::DIMENSION).hint("remove the option"));
     }
     let size = length(direction);
     if size == 0.0 {
-        return Err(axis.fail(format!("{} has no direction", axis.title())).label("this has length 0").hint("such as `[0.0, 0.0, 1.0]`"));
+        return Err(axis
+            .fail(format!("{} has no direction", axis.title()))
+            .code(causes::NO_DIRECTION)
+            .label("this has length 0")
+            .hint("such as `[0.0, 0.0, 1.0]`"));
     }
     Ok(Some([center, direction.map(|x| x / size)]))
 }
@@ -146,15 +154,17 @@ fn components(argument: &Argument, dimension: usize) -> Result<[bool; 3], Failur
     let names = &["x", "y", "z"][..dimension];
     for letter in text.chars() {
         let Some(index) = names.iter().position(|name| name.chars().eq([letter])) else {
-            let failure =
-                argument.fail(format!("{} cannot be \"{text}\"", argument.title())).label(format!("`{letter}` is not a direction here"));
+            let failure = argument
+                .fail(format!("{} cannot be \"{text}\"", argument.title()))
+                .code(causes::WRONG_TYPE)
+                .label(format!("`{letter}` is not a direction here"));
             let space = if dimension == 2 { "the model is plane" } else { "the model is spatial" };
             return Err(failure.cause(space).hint(format!("name the held directions, such as \"x\" or \"{}\"", names.concat())));
         };
         held[index] = true;
     }
     if held == [false; 3] {
-        let failure = argument.fail(format!("{} names no direction", argument.title()));
+        let failure = argument.fail(format!("{} names no direction", argument.title())).code(causes::NO_DIRECTION);
         return Err(failure.hint("name the held directions, such as \"x\" or \"xy\", or leave the argument out to hold all"));
     }
     Ok(held)

@@ -12,6 +12,7 @@ use crate::math::tolerances::{LINEAR_PATH, LINEAR_STATE};
 use crate::script::api::examples::plate_example;
 use crate::script::api::models::handle::BodyHandle;
 use crate::script::language::arguments::Arguments;
+use crate::script::language::causes;
 use crate::script::language::diagnostics::Diagnostic;
 use crate::script::language::digits::brief;
 use crate::script::language::failure::Failure;
@@ -145,7 +146,9 @@ fn shape() -> Function {
             let number = argument.integer()?;
             let shapes = &handle.buckling.shapes;
             let Some(shape) = usize::try_from(number).ok().and_then(|number| shapes.get(number)) else {
-                let failure = argument.fail(format!("there is no shape {number}: they are numbered from 0 to {}", shapes.len() - 1));
+                let failure = argument
+                    .fail(format!("there is no shape {number}: they are numbered from 0 to {}", shapes.len() - 1))
+                    .code(causes::NO_SUCH);
                 return Err(failure.hint("ask for more with `count` of `sim.buckling`").into());
             };
             let dimension = handle.simulation.0.model.model.dimension();

@@ -10,6 +10,7 @@ use crate::integrators::{CENTRAL_DIFFERENCES, Lumping, central_differences};
 use crate::script::api::examples::FLIGHT;
 use crate::script::api::models::handle::ModelHandle;
 use crate::script::language::arguments::{Arguments, Options as Given};
+use crate::script::language::causes;
 use crate::script::language::failure::Failure;
 use crate::script::language::function::{Call, Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
@@ -104,7 +105,7 @@ fn now(call: &Call) -> Result<Map, Failure> {
     let mut simulation = handle.0.simulation.try_borrow_mut().map_err(|_| busy(call))?;
     if simulation.options().integrator.lumping().is_none() {
         let name = simulation.options().integrator.name;
-        let failure = call.fail(format!("`{name}` has no longest stable step: its steps solve equations"));
+        let failure = call.fail(format!("`{name}` has no longest stable step: its steps solve equations")).code(causes::BODY_KIND);
         return Err(failure.hint("`stable_step(model)` tells that of `central_differences` for a model"));
     }
     let found = simulation.stable_step();

@@ -10,6 +10,7 @@ use crate::dynamics::{BodyFields, BodyTotals, CellPlaces, CellStress, LocalFrame
 use crate::script::api::examples::flight_example;
 use crate::script::api::models::handle::BodyHandle;
 use crate::script::language::arguments::Arguments;
+use crate::script::language::causes;
 use crate::script::language::digits::{brief, brief_vector};
 use crate::script::language::failure::Failure;
 use crate::script::language::function::{Call, Form, Function, Topic, body};
@@ -200,7 +201,8 @@ fn extremes() -> Function {
                 found.insert(at.into(), vector(position, dimension));
             };
             let Some((least, most)) = ends else {
-                let failure = call.fail(format!("\"{}\" has no value at any node of this body", call.text("name")?));
+                let failure =
+                    call.fail(format!("\"{}\" has no value at any node of this body", call.text("name")?)).code(causes::BODY_KIND);
                 return Err(failure.hint("contact gaps are known at the nodes of secondary sides alone").into());
             };
             put("min", "min_at", least);
@@ -241,7 +243,7 @@ fn chosen(call: &Call) -> Result<Chosen, Failure> {
         return handle.with(call, |simulation| value.at_nodes(&simulation.fields()[index], &frame));
     };
     handle.with(call, |simulation| value.in_cells(&simulation.cell_stresses(index, places), &frame))?.ok_or_else(|| {
-        let failure = options.argument("at").fail(format!("\"{name}\" is a field of the nodes"));
+        let failure = options.argument("at").fail(format!("\"{name}\" is a field of the nodes")).code(causes::BODY_KIND);
         failure.hint("inside of cells there are stresses, strains, what follows from them, and `position`")
     })
 }

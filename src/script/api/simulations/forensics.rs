@@ -9,6 +9,7 @@ use crate::dynamics::{FailureCause, FailureReport, IterationReport, TryReport};
 use crate::output::Frame;
 use crate::script::api::examples::flight_example;
 use crate::script::api::files::writing::write;
+use crate::script::language::causes;
 use crate::script::language::digits::{brief, number_text, significant};
 use crate::script::language::function::{Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
@@ -160,7 +161,7 @@ fn write_failed() -> Function {
             let handle = call.receiver::<SimulationHandle>();
             let failed = handle.with(call, |simulation| (simulation.time(), simulation.failed_fields()))?;
             let (time, Some(fields)) = failed else {
-                let failure = call.fail(format!("no step of simulation \"{}\" has failed", handle.0.name));
+                let failure = call.fail(format!("no step of simulation \"{}\" has failed", handle.0.name)).code(causes::NO_SUCH);
                 return Err(failure.hint("`sim.write_fields(path)` writes the state as it is").into());
             };
             Ok(write(call, Some(&handle), &[".vtu"], || Ok(Frame::new(time, &fields).encode()))?)

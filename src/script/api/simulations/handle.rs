@@ -22,6 +22,7 @@ use crate::script::api::motion::Motion;
 use crate::script::api::remedies::explained;
 use crate::script::language::arguments::Arguments;
 use crate::script::language::callback::Callback;
+use crate::script::language::causes;
 use crate::script::language::digits::{brief, brief_vector};
 use crate::script::language::failure::{Class, Failure};
 use crate::script::language::function::Call;
@@ -310,7 +311,7 @@ impl SimulationHandle {
         if !self.0.advancing.get() {
             return Ok(());
         }
-        let failure = call.fail(format!("{} cannot be called while the simulation advances", call.function.title()));
+        let failure = call.fail(format!("{} cannot be called while the simulation advances", call.function.title())).code(causes::TIME);
         Err(failure
             .cause("a closure given to `on_step` runs between two steps of a `step` or `run_to` that goes on")
             .hint("look at the state in the closure; take further steps after that call"))
@@ -338,6 +339,7 @@ pub fn result_used(name: &str) -> Failure {
 /// The failure of a call in the middle of a step.
 pub fn busy(call: &Call) -> Failure {
     call.fail("the simulation is in the middle of a step")
+        .code(causes::TIME)
         .cause("a time function is asked while the step is computed, so there is no state to look at")
         .hint("compute with the parameter `t` only; `sim.on_step(|sim| …)` runs between steps")
 }

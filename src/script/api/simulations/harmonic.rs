@@ -13,6 +13,7 @@ use crate::script::api::examples::plate_example;
 use crate::script::api::models::arguments::node_at;
 use crate::script::api::models::handle::{BodyHandle, BoundaryHandle};
 use crate::script::language::arguments::{Argument, Arguments, Options};
+use crate::script::language::causes;
 use crate::script::language::diagnostics::Diagnostic;
 use crate::script::language::digits::brief;
 use crate::script::language::failure::Failure;
@@ -126,7 +127,7 @@ fn asked_for(handle: &SimulationHandle, call: &Call, options: &Options, unit: f6
     let given = argument.array()?;
     let frequencies: Vec<f64> = given.iter().filter_map(as_number).filter(|one| *one > 0.0 && one.is_finite()).collect();
     if frequencies.is_empty() || frequencies.len() != given.len() {
-        let failure = argument.fail("`frequencies` of `harmonic_response` must be an array of positive numbers");
+        let failure = argument.fail("`frequencies` of `harmonic_response` must be an array of positive numbers").code(causes::OUT_OF_RANGE);
         return Err(failure.hint("write `[10.0, 20.0, 30.0]`, or fill an array in a loop"));
     }
     let [boundary, force, base] = ["boundary", "force", "base"].map(|name| options.argument(name));
@@ -134,7 +135,7 @@ fn asked_for(handle: &SimulationHandle, call: &Call, options: &Options, unit: f6
         (true, false) => Excitation::Force { on: boundary_of(handle, &boundary)?, vector: force.vector(dimension)? },
         (false, true) if !boundary.is_given() && !force.is_given() => Excitation::Base(base.vector(dimension)?),
         _ => {
-            let failure = call.fail("`harmonic_response` needs one thing that swings");
+            let failure = call.fail("`harmonic_response` needs one thing that swings").code(causes::COUNT);
             return Err(failure.hint("give `boundary` and `force`, or `base`"));
         }
     };
@@ -154,7 +155,10 @@ fn boundary_of(handle: &SimulationHandle, argument: &Argument) -> Result<BodyBou
     let index = body.and_then(|body| bodies.iter().position(|known| known.name == body.definition().name));
     match index {
         Some(body) => Ok(BodyBoundary { body, boundary }),
-        None => Err(argument.fail("`boundary` must be one of a body of the simulation").hint("take it from the body that `add_body` gave")),
+        None => Err(argument
+            .fail("`boundary` must be one of a body of the simulation")
+            .code(causes::OTHER_OWNER)
+            .hint("take it from the body that `add_body` gave")),
     }
 }
 

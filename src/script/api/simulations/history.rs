@@ -11,6 +11,7 @@ use crate::dynamics::{LedgerRow, Quantity, Rows};
 use crate::output::is_count;
 use crate::script::api::examples::flight_example;
 use crate::script::language::arguments::Arguments;
+use crate::script::language::causes;
 use crate::script::language::failure::{Class, Failure};
 use crate::script::language::function::{Call, Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
@@ -149,6 +150,9 @@ impl SimulationHandle {
 /// The failure of a column that does not exist.
 pub fn unknown_column(call: &Call, handle: &SimulationHandle, name: &str) -> Failure {
     let columns = handle.columns();
-    let failure = call.fail(format!("the history has no column `{name}`")).cause(format!("its columns are {}", listed(&columns, "and")));
+    let failure = call
+        .fail(format!("the history has no column `{name}`"))
+        .code(causes::NO_SUCH)
+        .cause(format!("its columns are {}", listed(&columns, "and")));
     failure.hint(did_you_mean(name, columns.iter().map(String::as_str)).unwrap_or_else(|| "use one of these names".into()))
 }

@@ -6,6 +6,7 @@ use super::handle::SimulationHandle;
 use crate::dynamics::{JointFrictionLoad, JointLoad};
 use crate::script::api::examples::plate_example;
 use crate::script::language::arguments::Arguments;
+use crate::script::language::causes;
 use crate::script::language::digits::{brief, brief_vector};
 use crate::script::language::function::{Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
@@ -96,7 +97,8 @@ fn reading(
         see_also: &["joint", "add_joint"],
         body: body(move |call| {
             let joint = call.receiver::<JointHandle>();
-            let failure = |[lacks, hint]: [String; 2]| call.fail(format!("joint \"{}\" has no {lacks}", joint.name)).hint(hint);
+            let failure =
+                |[lacks, hint]: [String; 2]| call.fail(format!("joint \"{}\" has no {lacks}", joint.name)).code(causes::NO_SUCH).hint(hint);
             Ok(read(&joint).map_err(failure)?.into())
         }),
     }
@@ -175,7 +177,7 @@ fn joint() -> Function {
             }
             let found = handle.with(call, |simulation| (simulation.joint(&name), simulation.time(), simulation.dimension()))?;
             let (Some(load), time, dimension) = found else {
-                return Err(call.fail(format!("nothing is known of joint \"{name}\"")).hint("take a step").into());
+                return Err(call.fail(format!("nothing is known of joint \"{name}\"")).code(causes::NO_SUCH).hint("take a step").into());
             };
             let acting = handle.0.script_time(load.time);
             Ok(Dynamic::from(JointHandle { name, time, acting, dimension, load }))

@@ -14,6 +14,7 @@ use crate::mesh::CellFinder;
 use crate::script::api::examples::flight_example;
 use crate::script::api::models::handle::BodyHandle;
 use crate::script::language::arguments::Arguments;
+use crate::script::language::causes;
 use crate::script::language::digits::{brief, vector_text};
 use crate::script::language::function::{Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
@@ -91,7 +92,11 @@ fn along() -> Function {
             let [from, to] = ["from", "to"].map(|name| call.argument(name));
             let (a, b) = (from.vector(dimension)?, to.vector(dimension)?);
             if a == b {
-                return Err(to.fail("the line has no length: both ends are the same point").hint("give two points").into());
+                return Err(to
+                    .fail("the line has no length: both ends are the same point")
+                    .code(causes::NO_DIRECTION)
+                    .hint("give two points")
+                    .into());
             }
             let point = |k: usize| {
                 let share = k as f64 / (count - 1) as f64;
@@ -100,7 +105,8 @@ fn along() -> Function {
             let (finder, points) = (CellFinder::new(&mesh), (0..count).map(point).collect::<Vec<[f64; 3]>>());
             let shares: Vec<_> = points.iter().map(|&point| finder.shares(point)).collect();
             if shares.iter().all(Option::is_none) {
-                let failure = from.fail(format!("no point of the line is in body \"{}\"", model.bodies[index].name));
+                let failure =
+                    from.fail(format!("no point of the line is in body \"{}\"", model.bodies[index].name)).code(causes::OTHER_OWNER);
                 return Err(failure.hint("give points of the undeformed body").into());
             }
             let (fields, time) = handle.with(call, |simulation| (simulation.fields().swap_remove(index), simulation.time()))?;
@@ -167,7 +173,8 @@ fn linearized() -> Function {
         body: body(|call| {
             let line = call.receiver::<LineHandle>().0;
             let Some(stresses) = line.stresses() else {
-                let failure = call.fail("the line is partly outside of the body, and the stress there is not known");
+                let failure =
+                    call.fail("the line is partly outside of the body, and the stress there is not known").code(causes::OTHER_OWNER);
                 return Err(failure
                     .hint("give both ends on the surface of the wall or inside: `line.field(\"von_mises\")` is NaN outside")
                     .into());

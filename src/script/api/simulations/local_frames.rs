@@ -2,6 +2,7 @@
 
 use crate::dynamics::{LocalFrame, Model};
 use crate::script::language::arguments::{Arguments, Options};
+use crate::script::language::causes;
 use crate::script::language::failure::Failure;
 use crate::script::language::parameter::{Absent, Kind, Parameter};
 
@@ -53,7 +54,9 @@ pub(super) fn frame_of(options: &Options, geometry: Geometry) -> Result<LocalFra
     if geometry == Geometry::Revolution {
         frame.axis = [0.0, 1.0, 0.0];
         if let Some(argument) = [&center, &axis].into_iter().find(|argument| argument.is_given()) {
-            let failure = argument.fail(format!("bodies of revolution have their own axis, and take no {}", argument.title()));
+            let failure = argument
+                .fail(format!("bodies of revolution have their own axis, and take no {}", argument.title()))
+                .code(causes::DIMENSION);
             return Err(failure.hint("leave it out: radial is along x, axial along y, tangential around the axis"));
         }
     }
@@ -61,7 +64,7 @@ pub(super) fn frame_of(options: &Options, geometry: Geometry) -> Result<LocalFra
         frame.center = center.vector(dimension)?;
     }
     if axis.is_given() && dimension == 2 {
-        let failure = axis.fail(format!("{} is for bodies in space", axis.title())).label("these bodies are plane");
+        let failure = axis.fail(format!("{} is for bodies in space", axis.title())).code(causes::DIMENSION).label("these bodies are plane");
         return Err(failure.hint("leave it out: radial and tangential components are those about `center`"));
     }
     if axis.is_given() {
@@ -72,7 +75,10 @@ pub(super) fn frame_of(options: &Options, geometry: Geometry) -> Result<LocalFra
     }
     for (argument, vector) in [(&axis, frame.axis), (&direction, frame.direction)] {
         if vector == [0.0; 3] {
-            return Err(argument.fail(format!("{} has no direction", argument.title())).hint("write one such as `[1, 0, 0]`"));
+            return Err(argument
+                .fail(format!("{} has no direction", argument.title()))
+                .code(causes::NO_DIRECTION)
+                .hint("write one such as `[1, 0, 0]`"));
         }
     }
     Ok(frame)

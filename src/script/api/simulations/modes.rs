@@ -15,6 +15,7 @@ use crate::output::{Field, Frame, MovieFormat, PictureBounds, PictureOptions, mo
 use crate::script::api::examples::plate_example;
 use crate::script::api::files::writing::{path_parameter, write, write_drawing};
 use crate::script::language::arguments::{Arguments, Options};
+use crate::script::language::causes;
 use crate::script::language::diagnostics::Diagnostic;
 use crate::script::language::digits::brief;
 use crate::script::language::failure::Failure;
@@ -98,7 +99,9 @@ impl ModesHandle {
         match usize::try_from(number).ok().and_then(|index| Some((index, modes.get(index)?))) {
             Some(found) => Ok(found),
             None => {
-                let failure = argument.fail(format!("there is no mode {number}: they are numbered from 0 to {}", modes.len() - 1));
+                let failure = argument
+                    .fail(format!("there is no mode {number}: they are numbered from 0 to {}", modes.len() - 1))
+                    .code(causes::NO_SUCH);
                 Err(failure.hint("ask for more with `count` of `sim.modes`"))
             }
         }

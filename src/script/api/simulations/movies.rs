@@ -8,6 +8,7 @@ use crate::output::{Drawing, Field, MovieFormat, PictureBounds, PictureOptions, 
 use crate::script::api::examples::flight_example;
 use crate::script::api::files::writing::path_parameter;
 use crate::script::language::arguments::Arguments;
+use crate::script::language::causes;
 use crate::script::language::digits::brief;
 use crate::script::language::failure::Failure;
 use crate::script::language::function::{Call, Form, Function, Topic, body};
@@ -38,13 +39,15 @@ pub(super) fn movie_function() -> Function {
             let title = if title.is_given() { Some(title.text()?) } else { None };
             let shown = shown(&options, &handle.0)?;
             if shown.section.is_some() && !handle.0.keeping.stills_inside {
-                let failure = options.argument("section").fail("the stills of this run have no inside");
+                let failure = options.argument("section").fail("the stills of this run have no inside").code(causes::BODY_KIND);
                 let failure = failure.cause("of bodies in space the surface alone is recorded");
                 return Err(failure.hint("write `stills_inside: true` into the options of `simulate`").into());
             }
             if let Some(panel) = shown.panels.iter().find(|panel| !panel.field.is_recorded()) {
-                let failure =
-                    options.argument("field").fail(format!("the stills of a run do not keep the field \"{}\"", panel.field.words()));
+                let failure = options
+                    .argument("field")
+                    .fail(format!("the stills of a run do not keep the field \"{}\"", panel.field.words()))
+                    .code(causes::NO_SUCH);
                 let failure = failure.cause("displacements, velocities, stresses and contact pressures are recorded");
                 return Err(failure.hint("draw it with `sim.picture` while the run goes on, such as in `sim.on_step`").into());
             }

@@ -13,6 +13,7 @@ use crate::math::catalogue::Interval;
 use crate::output::History;
 use crate::script::api::examples::plate_example;
 use crate::script::language::arguments::{Arguments, Options};
+use crate::script::language::causes;
 use crate::script::language::diagnostics::Diagnostic;
 use crate::script::language::digits::{brief, number_text};
 use crate::script::language::failure::Failure;
@@ -149,7 +150,7 @@ fn path_options(handle: &SimulationHandle, options: &Options) -> Result<PathOpti
     let now = handle.0.simulation.try_borrow().map(|simulation| handle.0.script_time(simulation.time())).unwrap_or_default();
     if until == now {
         let argument = options.argument("load");
-        let failure = argument.fail(format!("the simulation is at t = {} already", number_text(now)));
+        let failure = argument.fail(format!("the simulation is at t = {} already", number_text(now))).code(causes::TIME);
         return Err(failure.hint("give another time for the end of the path; `settle` finds the equilibrium of this one"));
     }
     let increment = if given.is_given() { given.number()? } else { (until - now).abs() / INCREMENTS };
@@ -246,7 +247,10 @@ fn state() -> Function {
             let count = path.rows.len();
             let place = if number < 0 { number + count as i64 } else { number };
             let Some(index) = usize::try_from(place).ok().filter(|&index| index < count) else {
-                let failure = call.argument("point").fail(format!("there is no point {number}: they are numbered from 0 to {}", count - 1));
+                let failure = call
+                    .argument("point")
+                    .fail(format!("there is no point {number}: they are numbered from 0 to {}", count - 1))
+                    .code(causes::NO_SUCH);
                 return Err(failure.hint("`path.time.len()` is their number").into());
             };
             let mut history = path.before.clone();

@@ -14,6 +14,7 @@ use crate::script::api::examples::flight_example;
 use crate::script::api::files::writing::{path_parameter, write_drawing};
 use crate::script::api::models::{data::ModelData, handle::BodyHandle};
 use crate::script::language::arguments::{Argument, Arguments, Options};
+use crate::script::language::causes;
 use crate::script::language::digits::brief;
 use crate::script::language::failure::Failure;
 use crate::script::language::function::{Form, Function, Topic, body};
@@ -143,7 +144,7 @@ fn refuse_empty_section(options: &Options, fields: &[BodyFields], shown: &Pictur
         return Ok(());
     }
     let argument = options.argument("section");
-    let failure = argument.fail(format!("{} takes away all that is shown", argument.title()));
+    let failure = argument.fail(format!("{} takes away all that is shown", argument.title())).code(causes::EMPTY);
     Err(failure.hint("give a `point` within the bodies: what is on the viewer's side of the plane is taken away"))
 }
 
@@ -164,8 +165,10 @@ pub(super) fn shown(options: &Options, data: &SimulationData) -> Result<PictureO
     let measure = Measure::ALL.iter().find(|row| row.0 == measure).map_or(Measure::default(), |row| row.1);
     if measure == Measure::Axes && dimension == 3 {
         let argument = options.argument("scale");
-        let failure =
-            argument.fail("bodies in space have no axes with numbers").cause("lengths along the line of sight cannot be read off");
+        let failure = argument
+            .fail("bodies in space have no axes with numbers")
+            .code(causes::DIMENSION)
+            .cause("lengths along the line of sight cannot be read off");
         return Err(failure.hint("use `scale: \"bar\"`; the triad tells the directions"));
     }
     let vectors = text("vectors")?;
@@ -204,7 +207,8 @@ fn panels(options: &Options, geometry: Geometry, data: &SimulationData) -> Resul
     let units = if argument.is_given() { argument.text()? } else { String::new() };
     let units: Vec<&str> = units.split(',').map(str::trim).collect();
     if fields.len() > 1 && argument.is_given() && units.len() != fields.len() {
-        let failure = argument.fail(format!("{} must name one unit for each of the {} fields", argument.title(), fields.len()));
+        let failure =
+            argument.fail(format!("{} must name one unit for each of the {} fields", argument.title(), fields.len())).code(causes::COUNT);
         let example: Vec<String> = names.iter().map(|name| format!("<unit of {name}>")).collect();
         return Err(failure.label(format!("this names {}", units.len())).hint(format!("write `unit: \"{}\"`", example.join(", "))));
     }
@@ -235,8 +239,9 @@ fn ranges(argument: &Argument, count: usize) -> Result<Vec<Option<[f64; 2]>>, Fa
     match pairs.filter(|pairs| pairs.len() == count) {
         Some(pairs) => Ok(pairs.into_iter().map(Some).collect()),
         None => {
-            let failure =
-                argument.fail(format!("{} must be an array with a range `[least, greatest]` for each of {count} fields", argument.title()));
+            let failure = argument
+                .fail(format!("{} must be an array with a range `[least, greatest]` for each of {count} fields", argument.title()))
+                .code(causes::COUNT);
             Err(failure.hint("write `range: [[0.0, 1.0], [0.0, 5.0]]`, or leave it out"))
         }
     }
@@ -249,22 +254,27 @@ fn section(options: &Options, view: &View, dimension: usize) -> Result<Option<Cu
         return Ok(None);
     }
     if dimension == 2 {
-        let failure = argument.fail(format!("{} is for bodies in space", argument.title())).label("these bodies are plane");
+        let failure =
+            argument.fail(format!("{} is for bodies in space", argument.title())).code(causes::DIMENSION).label("these bodies are plane");
         return Err(failure.hint("leave it out: pictures of the plane show the inside"));
     }
     let plane = options.nested("section")?;
     let (normal, point) = (plane.argument("normal"), plane.argument("point"));
     if !normal.is_given() {
-        let failure = argument.fail(format!("{} has no normal", argument.title())).label("`normal` is missing");
+        let failure = argument.fail(format!("{} has no normal", argument.title())).code(causes::NO_DIRECTION).label("`normal` is missing");
         return Err(failure.hint("write `section: #{ normal: [0, 1, 0] }`, and `point: [x, y, z]` to cut elsewhere than in the middle"));
     }
     let point = if point.is_given() { Some(point.vector(3)?) } else { None };
     let direction = normal.vector(3)?;
     if direction == [0.0; 3] {
-        return Err(normal.fail(format!("{} has no direction", normal.title())).hint("write the normal of the plane, such as `[0, 1, 0]`"));
+        return Err(normal
+            .fail(format!("{} has no direction", normal.title()))
+            .code(causes::NO_DIRECTION)
+            .hint("write the normal of the plane, such as `[0, 1, 0]`"));
     }
     let plane = CutPlane::new(point, direction, view).ok_or_else(|| {
-        let failure = normal.fail("the section is seen from its edge").cause("its plane contains the direction of sight");
+        let failure =
+            normal.fail("the section is seen from its edge").code(causes::NO_DIRECTION).cause("its plane contains the direction of sight");
         failure.hint("choose another `view`, such as the normal itself")
     })?;
     Ok(Some(plane))
@@ -276,7 +286,7 @@ fn bodies(argument: &Argument, model: &ModelData) -> Result<Vec<String>, Failure
         return Ok(Vec::new());
     }
     let wrong = || {
-        let failure = argument.fail(format!("{} must be an array of bodies of this model", argument.title()));
+        let failure = argument.fail(format!("{} must be an array of bodies of this model", argument.title())).code(causes::OTHER_OWNER);
         failure.hint("write `bodies: [body]` with what `add_body` gave, or leave it out to show all")
     };
     let name_of = |value: Dynamic| {
@@ -292,7 +302,8 @@ fn view(options: &Options, dimension: usize) -> Result<View, Failure> {
     let (argument, up) = (options.argument("view"), options.argument("up"));
     for given in [&argument, &up] {
         if dimension == 2 && given.is_given() {
-            let failure = given.fail(format!("{} is for bodies in space", given.title())).label("these bodies are plane");
+            let failure =
+                given.fail(format!("{} is for bodies in space", given.title())).code(causes::DIMENSION).label("these bodies are plane");
             return Err(failure.cause("`x` points right and `y` up in pictures of the plane").hint("leave it out"));
         }
     }
@@ -311,6 +322,7 @@ fn view(options: &Options, dimension: usize) -> Result<View, Failure> {
     View::from_direction(argument.vector(3)?, axis).ok_or_else(|| {
         let failure = argument
             .fail(format!("{} has no direction", argument.title()))
+            .code(causes::NO_DIRECTION)
             .label(format!("this is {}", describe(argument.call().engine(), &value)));
         failure.hint("give the direction from the bodies to the viewer, such as `[1, -2, 1]`")
     })

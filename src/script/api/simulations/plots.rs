@@ -12,6 +12,7 @@ use crate::output::{Curve, CurveStyle, ENERGIES, Plot, PlotAxis, above_lowest_po
 use crate::script::api::examples::flight_example;
 use crate::script::api::files::writing::{path_parameter, write_drawing};
 use crate::script::language::arguments::{Argument, Arguments, Options};
+use crate::script::language::causes;
 use crate::script::language::failure::Failure;
 use crate::script::language::function::{Call, Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
@@ -146,7 +147,11 @@ pub(super) fn plot_curves() -> Function {
             let curves: Vec<Curve> =
                 entries.iter().enumerate().map(|(index, entry)| curve(call, &argument, index, entry)).collect::<Result<_, _>>()?;
             if curves.is_empty() {
-                return Err(argument.fail(format!("{} has no curves", argument.title())).hint("write `[#{ x: […], y: […] }]`").into());
+                return Err(argument
+                    .fail(format!("{} has no curves", argument.title()))
+                    .code(causes::EMPTY)
+                    .hint("write `[#{ x: […], y: […] }]`")
+                    .into());
             }
             let plot = Plot { curves, ..look(&options, "", [String::new(), String::new()])? };
             Ok(write_drawing(call, None, || Ok(plot.draw()))?)
@@ -167,7 +172,7 @@ fn look(options: &Options, title: &str, labels: [String; 2]) -> Result<Plot, Fai
         let range_of = ascending(&range)?;
         match range_of {
             Some([low, _]) if is_logarithmic && low <= 0.0 => {
-                let failure = range.fail(format!("{} must be positive on a logarithmic axis", range.title()));
+                let failure = range.fail(format!("{} must be positive on a logarithmic axis", range.title())).code(causes::OUT_OF_RANGE);
                 Err(failure.label("this begins at or below 0").hint("begin at a positive number, such as `[1e-6, 1.0]`"))
             }
             range => Ok(PlotAxis { label, range, is_logarithmic, included: None }),
@@ -188,10 +193,11 @@ pub(super) fn ascending(argument: &Argument) -> Result<Option<[f64; 2]>, Failure
         [low, high] if low < high => Ok(Some([low, high])),
         [_, _] => Err(argument
             .fail(format!("{} must ascend", argument.title()))
+            .code(causes::ORDER)
             .label("the first is not less than the second")
             .hint("write `[least, greatest]`")),
         _ => {
-            let failure = argument.fail(format!("{} must be two numbers", argument.title()));
+            let failure = argument.fail(format!("{} must be two numbers", argument.title())).code(causes::WRONG_TYPE);
             Err(failure.label(format!("this has {}", numbers.len())).hint("write `[least, greatest]`"))
         }
     }
@@ -208,10 +214,12 @@ fn labels(options: &Options, count: usize) -> Result<Option<Vec<String>>, Failur
     let Some(texts) = texts else {
         return Err(argument
             .fail(format!("{} must be an array of strings", argument.title()))
+            .code(causes::WRONG_TYPE)
             .hint("write `[\"inner ring\", \"outer ring\"]`"));
     };
     if texts.len() != count {
-        let failure = argument.fail(format!("{} must have one string for each of the {count} columns", argument.title()));
+        let failure =
+            argument.fail(format!("{} must have one string for each of the {count} columns", argument.title())).code(causes::COUNT);
         return Err(failure.label(format!("this has {}", texts.len())).hint("name every column, in the order of `columns`"));
     }
     Ok(Some(texts))

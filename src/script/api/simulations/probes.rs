@@ -12,6 +12,7 @@ use crate::dynamics::{BodyDefinition, ProbeValues};
 use crate::script::api::examples::flight_example;
 use crate::script::api::models::handle::BodyHandle;
 use crate::script::language::arguments::Arguments;
+use crate::script::language::causes;
 use crate::script::language::diagnostics::Diagnostic;
 use crate::script::language::digits::{brief, vector_text};
 use crate::script::language::failure::Failure;
@@ -166,7 +167,7 @@ fn probe() -> Function {
             let model = &handle.0.model.model;
             let taken = handle.0.probes.borrow().iter().any(|probe| probe.name == name) || model.contact_names().contains(&name.as_str());
             if taken {
-                let failure = argument.fail(format!("there is a probe or contact \"{name}\" already"));
+                let failure = argument.fail(format!("there is a probe or contact \"{name}\" already")).code(causes::NAME_TAKEN);
                 return Err(failure.hint("give the probe a name of its own: it names columns of the history").into());
             }
             let point = call.argument("point").vector(model.dimension())?;

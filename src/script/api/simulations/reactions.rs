@@ -7,6 +7,7 @@ use crate::dynamics::Reaction;
 use crate::script::api::examples::contact_example;
 use crate::script::api::models::handle::BoundaryHandle;
 use crate::script::language::arguments::Arguments;
+use crate::script::language::causes;
 use crate::script::language::digits::{brief, brief_vector};
 use crate::script::language::function::{Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
@@ -85,7 +86,7 @@ fn reaction() -> Function {
             let found = handle
                 .with_row(call, |simulation| (simulation.row().reactions.get(index).copied(), simulation.time(), simulation.dimension()))?;
             let (Some(reaction), time, dimension) = found else {
-                let failure = call.fail(format!("the reaction of \"{boundary}\" is not known before the first step"));
+                let failure = call.fail(format!("the reaction of \"{boundary}\" is not known before the first step")).code(causes::TIME);
                 return Err(failure.hint("take a step, or bring the model to rest by `sim.settle()`").into());
             };
             Ok(Dynamic::from(ReactionHandle { boundary, time, dimension, reaction }))

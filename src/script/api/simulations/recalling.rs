@@ -13,6 +13,7 @@ use crate::output::journal::{Computation, Entry, Outcome};
 use crate::output::shapes;
 use crate::script::api::files::failures::output_failure;
 use crate::script::api::files::run_folder::RunFolder;
+use crate::script::language::causes;
 use crate::script::language::diagnostics::Diagnostic;
 use crate::script::language::failure::Failure;
 use crate::script::language::function::Call;
@@ -219,7 +220,8 @@ impl SimulationHandle {
             }
             (None, journal) => {
                 let known = journal.map_or(Ok(None), |(journal, number)| journal.next_state(Some(*number)))?;
-                let missing = || call.fail("the state to go back to is not in the checkpoint from which the run was resumed");
+                let missing =
+                    || call.fail("the state to go back to is not in the checkpoint from which the run was resumed").code(causes::TIME);
                 let hint = "keep a state with `sim.save()` and go back to it with `sim.restore(state)`, or run the script anew";
                 known.map(|(_, state)| state).ok_or_else(|| missing().hint(hint))
             }

@@ -29,6 +29,7 @@ use crate::script::api::models::joint_friction::friction_text;
 use crate::script::api::parameters::Overrides;
 use crate::script::api::remedies::explained;
 use crate::script::language::arguments::{Argument, Arguments};
+use crate::script::language::causes;
 use crate::script::language::digits::{brief, brief_vector, number_text, vector_text};
 use crate::script::language::failure::Failure;
 use crate::script::language::function::{Form, Function, Topic, body};
@@ -83,7 +84,7 @@ fn simulations(argument: &Argument) -> Result<Vec<SimulationHandle>, Failure> {
     match handles.len() {
         1..=6 => Ok(handles),
         count => {
-            let failure = argument.fail(format!("{} must have one to six simulations", argument.title()));
+            let failure = argument.fail(format!("{} must have one to six simulations", argument.title())).code(causes::COUNT);
             Err(failure.label(format!("it has {count}")).hint("choose those that matter; a table of many is made by `conserva sweep`"))
         }
     }

@@ -8,6 +8,7 @@ use crate::dynamics::SectionForce;
 use crate::script::api::examples::flight_example;
 use crate::script::api::models::handle::BodyHandle;
 use crate::script::language::arguments::Arguments;
+use crate::script::language::causes;
 use crate::script::language::digits::{brief, brief_vector};
 use crate::script::language::function::{Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
@@ -97,17 +98,24 @@ fn section_force() -> Function {
             let [point, normal] = ["point", "normal"].map(|name| call.argument(name));
             let (place, direction) = (point.vector(dimension)?, normal.vector(dimension)?);
             if definition.rigid.is_some() {
-                let failure = call.argument("body").fail(format!("body \"{}\" is rigid: it has no stresses", definition.name));
+                let failure = call
+                    .argument("body")
+                    .fail(format!("body \"{}\" is rigid: it has no stresses", definition.name))
+                    .code(causes::BODY_KIND);
                 return Err(failure
                     .hint("`sim.joint(name)`, `sim.contact(name)` and `sim.reaction(boundary)` tell what acts on it")
                     .into());
             }
             if direction == [0.0; 3] {
-                return Err(normal.fail("the normal has no direction").hint("write one such as `[1.0, 0.0]`").into());
+                return Err(normal
+                    .fail("the normal has no direction")
+                    .code(causes::NO_DIRECTION)
+                    .hint("write one such as `[1.0, 0.0]`")
+                    .into());
             }
             let (section, time) = handle.with(call, |simulation| (simulation.section_force(index, place, direction), simulation.time()))?;
             let Some(section) = section else {
-                let failure = point.fail(format!("the plane does not part the cells of body \"{}\"", definition.name));
+                let failure = point.fail(format!("the plane does not part the cells of body \"{}\"", definition.name)).code(causes::EMPTY);
                 return Err(failure.hint("give a point within the undeformed body").into());
             };
             Ok(Dynamic::from(SectionHandle { body: definition.name.clone(), time, dimension, section }))

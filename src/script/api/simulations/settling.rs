@@ -11,6 +11,7 @@ use crate::output::History;
 use crate::output::journal::{Computation, Outcome};
 use crate::script::api::examples::flight_example;
 use crate::script::language::arguments::Arguments;
+use crate::script::language::causes;
 use crate::script::language::digits::{brief, number_text};
 use crate::script::language::failure::Failure;
 use crate::script::language::function::{Call, Form, Function, Topic, body};
@@ -49,7 +50,7 @@ pub fn settle() -> Function {
             let (end, now) = (argument.number()?, handle.with_row(call, |simulation| simulation.time())?);
             let now = handle.0.script_time(now);
             if end < now {
-                let failure = argument.fail(format!("`settle` goes forward, but {} has passed", number_text(end)));
+                let failure = argument.fail(format!("`settle` goes forward, but {} has passed", number_text(end))).code(causes::TIME);
                 let failure = failure.label(format!("the simulation is at t = {}", brief(now)));
                 return Err(failure.hint("keep a state with `sim.save()` and go back to it with `sim.restore(state)`").into());
             }
@@ -68,15 +69,19 @@ fn friction_of(call: &Call) -> Result<bool, Failure> {
     let first = call.argument("time");
     let Some(map) = first.value().try_cast::<Map>() else { return call.options("options")?.flag("friction") };
     if call.argument("options").is_given() {
-        return Err(call.argument("options").fail("`settle` takes options once").hint("write `sim.settle(time, #{ friction: false })`"));
+        return Err(call
+            .argument("options")
+            .fail("`settle` takes options once")
+            .code(causes::OPTIONS_TOGETHER)
+            .hint("write `sim.settle(time, #{ friction: false })`"));
     }
     if let Some(unknown) = map.keys().find(|key| *key != "friction") {
-        let failure = first.fail(format!("`settle` has no option `{unknown}`")).label("unknown option");
+        let failure = first.fail(format!("`settle` has no option `{unknown}`")).code(causes::NO_SUCH).label("unknown option");
         return Err(failure.cause("its option is `friction`").hint("write `sim.settle(#{ friction: false })`"));
     }
     let given = map.get("friction").map(|value| value.as_bool());
     given.unwrap_or(Ok(true)).map_err(|_| {
-        let failure = first.fail("`friction` of `settle` must be `true` or `false`");
+        let failure = first.fail("`friction` of `settle` must be `true` or `false`").code(causes::WRONG_TYPE);
         failure.hint("write `sim.settle(#{ friction: false })`")
     })
 }
@@ -122,7 +127,7 @@ impl SimulationHandle {
         if count < STANDSTILL {
             return Ok(());
         }
-        let failure = call.fail("`settle` does not move time");
+        let failure = call.fail("`settle` does not move time").code(causes::TIME);
         let time = brief(self.0.script_time(now.time));
         let failure = failure.cause(format!("it was called {STANDSTILL} times at t = {time}, and nothing has changed"));
         Err(failure.hint("write `sim.settle(time)` for equilibrium at a later time, or `sim.run_to(time)` for motion"))

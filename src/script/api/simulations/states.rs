@@ -17,6 +17,7 @@ use crate::math::catalogue::Interval;
 use crate::output::History;
 use crate::script::api::examples::flight_example;
 use crate::script::language::arguments::Arguments;
+use crate::script::language::causes;
 use crate::script::language::digits::brief;
 use crate::script::language::failure::Failure;
 use crate::script::language::function::{Call, Form, Function, Topic, body};
@@ -47,13 +48,13 @@ impl StateHandle {
         match &self.simulation {
             Some(own) if Rc::ptr_eq(&own.0, &handle.0) => Ok(()),
             Some(_) => {
-                let failure = call.argument("state").fail("the state belongs to another simulation");
+                let failure = call.argument("state").fail("the state belongs to another simulation").code(causes::OTHER_OWNER);
                 let failure = failure.label(format!("this is a {}", self.describe()));
                 Err(failure.hint("restore it where it was saved"))
             }
             None if handle.0.simulation.try_borrow().map_err(|_| busy(call))?.fits(&self.state) => Ok(()),
             None => {
-                let failure = call.argument("state").fail("the state does not fit this simulation");
+                let failure = call.argument("state").fail("the state does not fit this simulation").code(causes::OTHER_OWNER);
                 let failure = failure.cause("a model with other bodies, meshes, contacts or time integrator has saved it");
                 Err(failure.hint("restore it in a simulation of an equal model"))
             }
@@ -134,7 +135,7 @@ fn back() -> Function {
             }
             let kept = handle.0.past.borrow().len();
             if count > kept {
-                let failure = call.argument("count").fail(format!("the simulation cannot go back by {count} steps"));
+                let failure = call.argument("count").fail(format!("the simulation cannot go back by {count} steps")).code(causes::TIME);
                 let failure = failure.label(format!("{kept} are kept"));
                 let failure = failure.cause("states are kept for the last steps since the simulation was made, settled or restored");
                 return Err(failure.hint("keep a state with `sim.save()` and go back to it with `sim.restore(state)`").into());

@@ -7,6 +7,7 @@ use crate::math::catalogue::Interval;
 use crate::math::tolerances::STEP_ERROR;
 use crate::script::api::examples::FLIGHT;
 use crate::script::language::arguments::{Argument, Arguments};
+use crate::script::language::causes;
 use crate::script::language::digits::{brief, number_text};
 use crate::script::language::failure::Failure;
 use crate::script::language::function::{Call, Form, Function, Topic, body};
@@ -155,7 +156,7 @@ fn make(call: &Call) -> Result<StepControlHandle, Failure> {
     for pair in given.windows(2) {
         let [(less, a), (more, b)] = [pair[0], pair[1]];
         if a > b {
-            let failure = options.argument(less).fail(format!("`{less}` of `auto` must not be greater than `{more}`"));
+            let failure = options.argument(less).fail(format!("`{less}` of `auto` must not be greater than `{more}`")).code(causes::ORDER);
             return Err(failure.label(format!("this is {}, and `{more}` is {}", number_text(a), number_text(b))));
         }
     }

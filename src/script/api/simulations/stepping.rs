@@ -20,6 +20,7 @@ use crate::script::api::examples::flight_example;
 use crate::script::api::remedies::ScriptWords;
 use crate::script::language::arguments::Arguments;
 use crate::script::language::callback::Callback;
+use crate::script::language::causes;
 use crate::script::language::digits::{brief, number_text};
 use crate::script::language::failure::{Failure, interrupted};
 use crate::script::language::function::{Call, Form, Function, Topic, body};
@@ -63,7 +64,8 @@ pub fn run_to() -> Function {
             let end = handle.0.kernel_time(end);
             let now = handle.0.simulation.try_borrow().map_err(|_| busy(call))?.time();
             if end < now {
-                let failure = call.argument("time").fail(format!("`run_to` goes forward, but {} has passed", number_text(end)));
+                let failure =
+                    call.argument("time").fail(format!("`run_to` goes forward, but {} has passed", number_text(end))).code(causes::TIME);
                 let failure = failure.label(format!("the simulation is at t = {}", brief(now)));
                 return Err(failure.hint("keep a state with `sim.save()` and go back to it with `sim.restore(state)`").into());
             }

@@ -7,6 +7,7 @@ use crate::output::{Column, Table, parquet_in_units};
 use crate::script::api::examples::flight_example;
 use crate::script::api::files::writing::{path_parameter, write};
 use crate::script::language::arguments::Arguments;
+use crate::script::language::causes;
 use crate::script::language::failure::Failure;
 use crate::script::language::function::{Call, Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
@@ -49,7 +50,7 @@ fn columns(call: &Call, handle: &SimulationHandle) -> Result<Table, Failure> {
     let chosen = if argument.is_given() { chosen_columns(call, handle)? } else { handle.all_columns() };
     for (index, (name, _)) in chosen.iter().enumerate() {
         if chosen[..index].iter().any(|(other, _)| other == name) {
-            let failure = argument.fail(format!("the column `{name}` is named twice"));
+            let failure = argument.fail(format!("the column `{name}` is named twice")).code(causes::NAME_TAKEN);
             return Err(failure.hint("a table has each column once"));
         }
     }

@@ -7,6 +7,7 @@ use super::history::unknown_column;
 use crate::output::OutputError;
 use crate::script::api::files::writing::{Destination, RequestedFile, checked_path, note_picture, told, write};
 use crate::script::language::arguments::Arguments;
+use crate::script::language::causes;
 use crate::script::language::failure::Failure;
 use crate::script::language::function::Call;
 use crate::script::language::scan::Target;
@@ -57,7 +58,7 @@ pub fn chosen_columns(call: &Call, handle: &SimulationHandle) -> Result<Vec<(Str
         None => value.clone().into_string().ok().map(|name| vec![name]),
     };
     let Some(names) = names.filter(|names| !names.is_empty()) else {
-        let failure = argument.fail(format!("{} must be a column's name or an array of names", argument.title()));
+        let failure = argument.fail(format!("{} must be a column's name or an array of names", argument.title())).code(causes::WRONG_TYPE);
         let given = describe(call.engine(), &value);
         return Err(failure.label(format!("this is {given}")).hint("write `[\"kinetic\", \"total\"]`"));
     };

@@ -10,6 +10,7 @@ use crate::output::is_count;
 use crate::script::api::simulations::handle::SimulationHandle;
 use crate::script::api::simulations::history::unknown_column;
 use crate::script::language::arguments::{Argument, Arguments, Options};
+use crate::script::language::causes;
 use crate::script::language::digits::brief;
 use crate::script::language::failure::Failure;
 use crate::script::language::function::{Call, Form, Function, Topic, body};
@@ -76,12 +77,13 @@ fn run_compare(call: &Call) -> Result<Dynamic, Box<EvalAltResult>> {
             Ok(found.into())
         }
         _ if chosen.is_given() => {
-            let failure = chosen.fail("`columns` of `compare` are those of two simulations");
+            let failure = chosen.fail("`columns` of `compare` are those of two simulations").code(causes::OTHER_OWNER);
             Err(failure.hint("write `#{ of: sim, y: \"total\" }` for one column").into())
         }
         (a, b) => {
             if let Some(argument) = [(a, first), (b, second)].into_iter().find_map(|(handle, argument)| handle.map(|_| argument)) {
-                let failure = argument.fail("a simulation is compared with another one").label("only this is one");
+                let failure =
+                    argument.fail("a simulation is compared with another one").code(causes::OTHER_OWNER).label("only this is one");
                 return Err(failure.hint("write `#{ of: sim, y: \"total\" }` for one of its columns").into());
             }
             let (first, second) = (call.argument("first"), call.argument("second"));
@@ -109,7 +111,7 @@ fn described(found: Distance) -> Map {
 /// Distance of two curves in their common range, limited by the options.
 fn between(options: &Options, a: &[[f64; 2]], b: &[[f64; 2]]) -> Result<Distance, Failure> {
     let range = |curve: &[[f64; 2]]| format!("from {} to {}", brief(curve[0][0]), brief(curve[curve.len() - 1][0]));
-    let call = options.argument("from").call().fail("the curves have no range in common");
+    let call = options.argument("from").call().fail("the curves have no range in common").code(causes::EMPTY);
     let apart = || call.clone().cause(format!("the first one goes {}", range(a))).cause(format!("the second one goes {}", range(b)));
     let Some([mut first, mut last]) = overlap(a, b) else { return Err(apart().hint("see that both have the same unit")) };
     if let Some(from) = options.optional_number("from")? {
@@ -155,22 +157,26 @@ fn curve(argument: &Argument) -> Result<Vec<[f64; 2]>, Failure> {
     let value = argument.value();
     if let Some(map) = value.read_lock::<Map>() {
         if let Some(unknown) = map.keys().find(|key| !KEYS.contains(&key.as_str())) {
-            let failure = argument.fail(format!("a curve has no `{unknown}`")).cause(format!("it has {}", listed(&KEYS, "and")));
+            let failure = argument
+                .fail(format!("a curve has no `{unknown}`"))
+                .code(causes::NO_SUCH)
+                .cause(format!("it has {}", listed(&KEYS, "and")));
             return Err(failure.hint("choose the columns: `#{ x: table.time, y: table.force }`"));
         }
         let text = |name: &str| map.get(name).and_then(|value| value.clone().into_string().ok());
         if let Some(handle) = map.get("of").and_then(|value| value.clone().try_cast::<SimulationHandle>()) {
-            let y = text("y")
-                .ok_or_else(|| argument.fail("a curve of a simulation needs the name of a column").hint("write `y: \"total\"`"))?;
+            let y = text("y").ok_or_else(|| {
+                argument.fail("a curve of a simulation needs the name of a column").code(causes::WRONG_TYPE).hint("write `y: \"total\"`")
+            })?;
             return column(argument, &handle, &text("x").unwrap_or_else(|| "time".into()), &y);
         }
         let numbers = |name: &str| map.get(name)?.read_lock::<Array>()?.iter().map(as_number).collect::<Option<Vec<f64>>>();
         let (Some(x), Some(y)) = (numbers("x"), numbers("y")) else {
-            let failure = argument.fail("a curve that is a map has arrays of numbers `x` and `y`");
+            let failure = argument.fail("a curve that is a map has arrays of numbers `x` and `y`").code(causes::WRONG_TYPE);
             return Err(failure.hint("write `#{ x: [0.0, 1.0], y: [2.0, 3.0] }`"));
         };
         if x.len() != y.len() {
-            let failure = argument.fail("`x` and `y` of a curve must have the same length");
+            let failure = argument.fail("`x` and `y` of a curve must have the same length").code(causes::COUNT);
             return Err(failure.cause(format!("`x` has {} numbers, `y` has {}", x.len(), y.len())).hint("give a value for every place"));
         }
         return rising(argument, x.into_iter().zip(y).map(|(x, y)| [x, y]).collect());
@@ -181,7 +187,7 @@ fn curve(argument: &Argument) -> Result<Vec<[f64; 2]>, Failure> {
     match value.read_lock::<Array>().and_then(|array| array.iter().map(pair).collect::<Option<Vec<_>>>()) {
         Some(points) => rising(argument, points),
         None => {
-            let failure = argument.fail(format!("{} must be {CURVE}", argument.title()));
+            let failure = argument.fail(format!("{} must be {CURVE}", argument.title())).code(causes::WRONG_TYPE);
             let given = describe(argument.call().engine(), &value);
             Err(failure.label(format!("this is {given}")).hint("write `[[0.0, 1.0], [0.5, 1.2]]`"))
         }
@@ -198,7 +204,7 @@ fn rising(argument: &Argument, points: Vec<[f64; 2]>) -> Result<Vec<[f64; 2]>, F
         match curve.last_mut() {
             Some(last) if last[0] == x => last[1] = y,
             Some(last) if last[0] > x => {
-                let failure = argument.fail("the places of a curve must rise");
+                let failure = argument.fail("the places of a curve must rise").code(causes::ORDER);
                 let failure = failure.cause(format!("after {} comes {}", brief(last[0]), brief(x)));
                 return Err(failure.hint("sort the points: `points.sort(|a, b| if a[0] < b[0] { -1 } else { 1 })`"));
             }
@@ -206,7 +212,7 @@ fn rising(argument: &Argument, points: Vec<[f64; 2]>) -> Result<Vec<[f64; 2]>, F
         }
     }
     if curve.is_empty() {
-        return Err(argument.fail("a curve without points cannot be compared").hint("give pairs `[x, y]` of numbers"));
+        return Err(argument.fail("a curve without points cannot be compared").code(causes::EMPTY).hint("give pairs `[x, y]` of numbers"));
     }
     Ok(curve)
 }

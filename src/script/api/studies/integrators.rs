@@ -20,6 +20,7 @@ use crate::script::api::simulations::simulate::kernels;
 use crate::script::api::simulations::step_control::{StepControlHandle, StepSize};
 use crate::script::language::arguments::{Arguments, Options};
 use crate::script::language::callback::Callback;
+use crate::script::language::causes;
 use crate::script::language::digits::brief;
 use crate::script::language::failure::{Failure, interrupted};
 use crate::script::language::function::{Call, Form, Function, Topic, body};
@@ -135,15 +136,21 @@ fn integrators_of(options: &Options) -> Result<Vec<Scheme>, Failure> {
     let argument = options.argument("integrators");
     let entries = argument.array()?;
     if entries.is_empty() {
-        return Err(argument.fail("`integrators` of `compare_integrators` is empty").hint("write `[energy_momentum(), hht()]`"));
+        return Err(argument
+            .fail("`integrators` of `compare_integrators` is empty")
+            .code(causes::EMPTY)
+            .hint("write `[energy_momentum(), hht()]`"));
     }
     let one = |(index, entry): (usize, &Dynamic)| {
         if entry.clone().try_cast::<IntegratorHandle>().is_some_and(|handle| handle.0.is_static()) {
-            let failure = argument.fail("`compare_integrators` compares motions, and `statics()` has none").label(format!("entry {index}"));
+            let failure = argument
+                .fail("`compare_integrators` compares motions, and `statics()` has none")
+                .code(causes::BODY_KIND)
+                .label(format!("entry {index}"));
             return Err(failure.hint("run it by itself: `simulate(model, #{ integrator: statics(), dt: 0.1 })`"));
         }
         entry.clone().try_cast::<IntegratorHandle>().map(|handle| handle.0).ok_or_else(|| {
-            let failure = argument.fail("`integrators` of `compare_integrators` must be an array of integrators");
+            let failure = argument.fail("`integrators` of `compare_integrators` must be an array of integrators").code(causes::WRONG_TYPE);
             let given = describe(argument.call().engine(), entry);
             failure.label(format!("entry {index} is {given}")).hint("call each one: `[energy_momentum(), hht()]`")
         })
@@ -164,7 +171,9 @@ fn sizes_of(options: &Options) -> Result<Vec<StepSize>, Failure> {
         None => one(&value).map(|size| vec![size]),
     };
     let Some(mut sizes) = sizes.filter(|sizes| !sizes.is_empty()) else {
-        let failure = argument.fail("`dt` of `compare_integrators` must be a positive number, `auto()`, or an array of them");
+        let failure = argument
+            .fail("`dt` of `compare_integrators` must be a positive number, `auto()`, or an array of them")
+            .code(causes::OUT_OF_RANGE);
         let given = describe(argument.call().engine(), &value);
         return Err(failure.label(format!("this is {given}")).hint("write `0.01` or `[0.02, 0.01, 0.005]`"));
     };
@@ -183,7 +192,8 @@ impl Task<'_> {
             self.model.call([])?
         };
         let Some(model) = value.clone().try_cast::<ModelHandle>() else {
-            let failure = call.fail(format!("`model` of `compare_integrators` gives {}", describe(call.engine(), &value)));
+            let failure =
+                call.fail(format!("`model` of `compare_integrators` gives {}", describe(call.engine(), &value))).code(causes::WRONG_TYPE);
             return Err(failure.hint(format!("let its last expression, without a semicolon, be a {}", ModelHandle::NAME)).into());
         };
         let mut kernel = KernelOptions::new(&integrator, 0.0);

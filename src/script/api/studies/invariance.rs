@@ -11,6 +11,7 @@ use crate::script::api::nested_runs::begin_study;
 use crate::script::api::simulations::handle::SimulationHandle;
 use crate::script::api::units::Units;
 use crate::script::language::arguments::{Arguments, Options};
+use crate::script::language::causes;
 use crate::script::language::digits::{brief, number_text, significant};
 use crate::script::language::failure::Failure;
 use crate::script::language::function::{Call, Form, Function, Topic, body};
@@ -134,7 +135,7 @@ fn scenario(call: &Call, motion: Option<Motion>) -> Result<SimulationHandle, Box
     match value.clone().try_cast::<SimulationHandle>() {
         Some(handle) => Ok(handle),
         None => {
-            let failure = call.argument("action").fail("the closure must give a simulation");
+            let failure = call.argument("action").fail("the closure must give a simulation").code(causes::CLOSURE);
             let failure = failure.label(format!("this gives {}", describe(call.engine(), &value)));
             Err(failure.hint("let the last expression of the closure, without a semicolon, be the simulation").into())
         }
@@ -150,7 +151,7 @@ fn compare(call: &Call, original: &SimulationHandle, moved: &SimulationHandle, m
     let same_shape =
         fields.len() == moved_fields.len() && fields.iter().zip(&moved_fields).all(|(a, b)| a.displacement.len() == b.displacement.len());
     if !same_shape {
-        let failure = call.argument("action").fail("the closure gives another model when it is called again");
+        let failure = call.argument("action").fail("the closure gives another model when it is called again").code(causes::CLOSURE);
         return Err(failure.label("not the same bodies").hint("build the same model on every call"));
     }
     // Smaller differences of positions, and of velocities by as much in a step, are round-off.

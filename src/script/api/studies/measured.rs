@@ -4,6 +4,7 @@ use rhai::{Array, Dynamic, Map};
 
 use crate::output::{ReadError, read_columns};
 use crate::script::language::arguments::Arguments;
+use crate::script::language::causes;
 use crate::script::language::failure::Failure;
 use crate::script::language::function::{Call, Form, Function, Topic, body};
 use crate::script::language::parameter::{Kind, Parameter};
@@ -52,7 +53,7 @@ fn read(call: &Call) -> Result<Map, Failure> {
     let mut table = Map::new();
     for column in &columns {
         if table.contains_key(column.name.as_str()) {
-            let failure = argument.fail(format!("\"{path}\" has two columns `{}`", column.name));
+            let failure = argument.fail(format!("\"{path}\" has two columns `{}`", column.name)).code(causes::NAME_TAKEN);
             return Err(failure.hint("give every column a name of its own in the first line"));
         }
         table.insert(column.name.as_str().into(), values(&column.fields).into());

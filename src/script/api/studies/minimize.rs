@@ -13,6 +13,7 @@ use crate::math::catalogue::Interval;
 use crate::math::minimize::{End, Search, beginnings};
 use crate::math::tolerances::MINIMIZED;
 use crate::script::language::arguments::{Argument, Arguments, Options};
+use crate::script::language::causes;
 use crate::script::language::diagnostics::Diagnostic;
 use crate::script::language::digits::{brief, number_text};
 use crate::script::language::failure::{Class, Failure};
@@ -115,7 +116,7 @@ fn run_minimize(call: &Call) -> Result<Dynamic, Box<EvalAltResult>> {
 fn search(options: &Options) -> Result<(Vec<String>, Search), Failure> {
     let argument = options.argument("bounds");
     let wrong = || {
-        let failure = argument.fail(format!("{} must be a map of pairs of numbers", argument.title()));
+        let failure = argument.fail(format!("{} must be a map of pairs of numbers", argument.title())).code(causes::WRONG_TYPE);
         failure.hint("write `#{ E: [0.1, 10.0], nu: [0.0, 0.49] }`")
     };
     let value = argument.value();
@@ -127,11 +128,14 @@ fn search(options: &Options) -> Result<(Vec<String>, Search), Failure> {
             return Err(wrong().label(format!("`{name}` is {}", describe(argument.call().engine(), pair))));
         };
         if !(low < high && (high - low).is_finite()) {
-            let failure = argument.fail(format!("the bounds of `{name}` must be finite, the lower one first"));
+            let failure = argument.fail(format!("the bounds of `{name}` must be finite, the lower one first")).code(causes::ORDER);
             return Err(failure.label(format!("these are {} and {}", number_text(low), number_text(high))).hint("write `[0.1, 10.0]`"));
         }
         if name == FAILURE || name == "value" || name == "evaluation" {
-            return Err(argument.fail(format!("`{name}` cannot be searched for: rows of the course have it")).hint("choose another name"));
+            return Err(argument
+                .fail(format!("`{name}` cannot be searched for: rows of the course have it"))
+                .code(causes::NAME_TAKEN)
+                .hint("choose another name"));
         }
         names.push(name.to_string());
         lower.push(low);
@@ -140,14 +144,15 @@ fn search(options: &Options) -> Result<(Vec<String>, Search), Failure> {
     let start = start(&options.argument("start"), &names, &lower, &upper)?;
     let (step, tolerance) = (options.number("step")?, options.number("tolerance")?);
     if tolerance >= step {
-        let failure = options.argument("tolerance").fail("`tolerance` of `minimize` must be less than `step`");
+        let failure = options.argument("tolerance").fail("`tolerance` of `minimize` must be less than `step`").code(causes::ORDER);
         return Err(failure.cause(format!("`step` is {}", number_text(step))).hint("give a smaller `tolerance`"));
     }
     let most = options.argument("evaluations");
     let least = beginnings(names.len()) + 1;
     let count = if most.is_given() { most.integer()? as usize } else { EVALUATIONS * names.len() };
     if count < least {
-        let failure = most.fail(format!("`evaluations` of `minimize` must be at least {least} for {} variables", names.len()));
+        let failure =
+            most.fail(format!("`evaluations` of `minimize` must be at least {least} for {} variables", names.len())).code(causes::COUNT);
         return Err(failure.cause(format!("the search begins with {} points", least - 1)).hint(format!("give {} or more", 2 * least)));
     }
     let target = options.optional_number("target")?;
@@ -160,20 +165,26 @@ fn start(argument: &Argument, names: &[String], lower: &[f64], upper: &[f64]) ->
     }
     let value = argument.value();
     let Some(map) = value.read_lock::<Map>() else {
-        return Err(argument.fail(format!("{} must be a map of numbers", argument.title())).hint("write `#{ E: 1.0, nu: 0.3 }`"));
+        return Err(argument
+            .fail(format!("{} must be a map of numbers", argument.title()))
+            .code(causes::WRONG_TYPE)
+            .hint("write `#{ E: 1.0, nu: 0.3 }`"));
     };
     if let Some(name) = map.keys().find(|name| !names.iter().any(|known| known == name.as_str())) {
         return Err(unknown(argument, name, names));
     }
     let number = |(index, name): (usize, &String)| {
         let Some(number) = map.get(name.as_str()).and_then(as_number) else {
-            return Err(argument.fail(format!("{} has no number `{name}`", argument.title())).hint(format!("write `{name}: 1.0`")));
+            return Err(argument
+                .fail(format!("{} has no number `{name}`", argument.title()))
+                .code(causes::NO_SUCH)
+                .hint(format!("write `{name}: 1.0`")));
         };
         let (low, high) = (lower[index], upper[index]);
         if (low..=high).contains(&number) {
             return Ok(number);
         }
-        let failure = argument.fail(format!("`{name}` of {} lies beyond its bounds", argument.title()));
+        let failure = argument.fail(format!("`{name}` of {} lies beyond its bounds", argument.title())).code(causes::ORDER);
         let failure = failure.label(format!("this is {}", number_text(number)));
         Err(failure.cause(format!("its bounds are {} and {}", number_text(low), number_text(high))).hint("begin between them"))
     };
@@ -183,7 +194,8 @@ fn start(argument: &Argument, names: &[String], lower: &[f64], upper: &[f64]) ->
 /// Converts the value of a closure, which must be a number.
 fn read(engine: &Engine, value: &Dynamic) -> Result<Plain, Failure> {
     as_number(value).map(Plain::Number).ok_or_else(|| {
-        let failure = Failure::script("the closure must give a number").label(format!("it gives {}", describe(engine, value)));
+        let failure =
+            Failure::script("the closure must give a number").code(causes::CLOSURE).label(format!("it gives {}", describe(engine, value)));
         failure.hint(if value.is_unit() {
             "let the last expression of the closure, without a semicolon, be the result"
         } else {

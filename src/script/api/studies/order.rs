@@ -9,6 +9,7 @@ use crate::script::api::checks::verdicts::{failed, only_listed, passed};
 use crate::script::api::nested_runs::begin_study;
 use crate::script::api::simulations::handle::SimulationHandle;
 use crate::script::language::arguments::{Arguments, Options};
+use crate::script::language::causes;
 use crate::script::language::digits::{brief, number_text, significant};
 use crate::script::language::failure::{Class, Failure};
 use crate::script::language::function::{Call, Form, Function, Topic, body};
@@ -71,7 +72,7 @@ fn run_order(call: &Call) -> Result<Dynamic, Box<EvalAltResult>> {
     let (largest, runs, tolerance) = (options.number("dt")?, options.integer("runs")?, options.number("tolerance")?);
     let exact = exact_of(&options)?;
     if exact.is_none() && runs < 3 {
-        let failure = options.argument("runs").fail("an order needs three runs, or the exact result and two");
+        let failure = options.argument("runs").fail("an order needs three runs, or the exact result and two").code(causes::COUNT);
         return Err(failure.hint("give `runs: 4`, or `exact: …`").into());
     }
     if only_listed(call, &format!("the closure converges with order {}", number_text(order))) {
@@ -97,7 +98,9 @@ fn exact_of(options: &Options) -> Result<Option<Vec<f64>>, Failure> {
         return Ok(None);
     }
     let numbers = numbers_in(&exact.value());
-    numbers.map(Some).ok_or_else(|| exact.fail("`exact` of `expect_order` must be a number or an array of numbers"))
+    numbers
+        .map(Some)
+        .ok_or_else(|| exact.fail("`exact` of `expect_order` must be a number or an array of numbers").code(causes::WRONG_TYPE))
 }
 
 /// Results for decreasing step sizes, with errors and orders of convergence.
@@ -224,7 +227,7 @@ impl Results for Found {
 fn read(_: &Engine, value: &Dynamic) -> Result<Plain, Failure> {
     let positions = |handle: SimulationHandle| handle.0.simulation.try_borrow().ok().map(|simulation| simulation.state().positions);
     let numbers = value.clone().try_cast::<SimulationHandle>().and_then(positions).or_else(|| numbers_in(value));
-    let numbers = numbers.ok_or_else(|| Failure::script("the closure gives no numbers"))?;
+    let numbers = numbers.ok_or_else(|| Failure::script("the closure gives no numbers").code(causes::CLOSURE))?;
     Ok(Plain::Array(numbers.into_iter().map(Plain::Number).collect()))
 }
 

@@ -11,6 +11,7 @@ use crate::script::api::files::failures::output_failure;
 use crate::script::api::files::run_folder::RunFolder;
 use crate::script::api::simulations::journal::{Journal, is_kept};
 use crate::script::language::arguments::{Arguments, Options};
+use crate::script::language::causes;
 use crate::script::language::failure::Failure;
 use crate::script::language::function::Call;
 use crate::script::language::host::Host;
@@ -39,7 +40,7 @@ pub fn free_name(call: &Call, options: &Options) -> Result<String, Failure> {
     let argument = options.argument("name");
     let name = argument.text()?;
     if name.is_empty() || !name.chars().all(|letter| letter.is_alphanumeric() || "-_".contains(letter)) {
-        let failure = argument.fail(format!("{} must be letters, digits, `-` and `_`", argument.title()));
+        let failure = argument.fail(format!("{} must be letters, digits, `-` and `_`", argument.title())).code(causes::WRONG_TYPE);
         return Err(failure.label(format!("this is \"{name}\"")).hint("leave out folder and ending: they are given"));
     }
     let names = call.host.slots.get::<Names>();

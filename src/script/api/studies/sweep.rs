@@ -8,6 +8,7 @@ use super::worker_pool::{Results, WorkerPool};
 use crate::math::catalogue::Interval;
 use crate::script::language::arguments::{Arguments, Options};
 use crate::script::language::callback::Callback;
+use crate::script::language::causes;
 use crate::script::language::diagnostics::Diagnostic;
 use crate::script::language::failure::{Class, Failure};
 use crate::script::language::function::{Call, Form, Function, Topic, body};
@@ -113,7 +114,8 @@ fn run_sweep(call: &Call) -> Result<Dynamic, Box<EvalAltResult>> {
     let stops = options.text("failures")? == "stop";
     let names: Vec<&str> = points[0].iter().map(|(name, _)| name.as_str()).collect();
     if let Some(name) = names.iter().find(|name| **name == FAILURE) {
-        let failure = options.argument("vary").fail(format!("`{name}` cannot be varied: rows say there why a point failed"));
+        let failure =
+            options.argument("vary").fail(format!("`{name}` cannot be varied: rows say there why a point failed")).code(causes::NAME_TAKEN);
         return Err(failure.hint("choose another name").into());
     }
     not_in_check(call, format!("would compute {} points of {}", points.len(), listed(&names, "and")))?;
@@ -133,8 +135,9 @@ fn read(engine: &Engine, value: &Dynamic) -> Result<Plain, Failure> {
     let plain = Plain::of(value).filter(|plain| *plain != Plain::Nothing);
     plain.ok_or_else(|| {
         let given = describe(engine, value);
-        let failure =
-            Failure::script("the closure must give a number, a string, an array or a map of such").label(format!("it gives {given}"));
+        let failure = Failure::script("the closure must give a number, a string, an array or a map of such")
+            .code(causes::CLOSURE)
+            .label(format!("it gives {given}"));
         failure.hint(if value.is_unit() {
             "let the last expression of the closure, without a semicolon, be the result"
         } else {
@@ -181,7 +184,8 @@ impl Results for Rows<'_> {
         let point = &self.points[index];
         let is_taken = |name: &str| name == FAILURE || point.iter().any(|(known, _)| known == name);
         if let Some((name, _)) = results.iter().find(|(name, _)| is_taken(name)) {
-            let failure = self.options.argument("run").fail(format!("the closure gives `{name}`, which rows have already"));
+            let failure =
+                self.options.argument("run").fail(format!("the closure gives `{name}`, which rows have already")).code(causes::CLOSURE);
             let failure = failure.cause(format!("rows have the point's values and `{FAILURE}`, which says why a point failed"));
             return Err(failure.hint("choose another name"));
         }

@@ -6,6 +6,7 @@ use super::record::FAILURE;
 use crate::output::rows_csv;
 use crate::script::api::files::writing::{path_parameter, write};
 use crate::script::language::arguments::{Argument, Arguments};
+use crate::script::language::causes;
 use crate::script::language::digits::brief;
 use crate::script::language::failure::Failure;
 use crate::script::language::function::{Call, Form, Function, Topic, body};
@@ -103,13 +104,13 @@ fn rows_of(call: &Call) -> Result<(Vec<String>, Vec<Vec<Plain>>), Failure> {
 fn row(argument: &Argument, index: usize, entry: &Dynamic) -> Result<Vec<(String, Plain)>, Failure> {
     let given = || describe(argument.call().engine(), entry);
     let Some(map) = entry.read_lock::<Map>() else {
-        let failure = argument.fail(format!("{} must be an array of maps", argument.title()));
+        let failure = argument.fail(format!("{} must be an array of maps", argument.title())).code(causes::WRONG_TYPE);
         return Err(failure.label(format!("entry {index} is {}", given())).hint("write `[#{ dt: 0.1, defect: 1e-3 }]`"));
     };
     let field = |(name, value): (&rhai::Identifier, &Dynamic)| match Plain::of(value) {
         Some(plain) => Ok((name.to_string(), plain)),
         None => {
-            let failure = argument.fail(format!("`{name}` of entry {index} of {} is no data", argument.title()));
+            let failure = argument.fail(format!("`{name}` of entry {index} of {} is no data", argument.title())).code(causes::WRONG_TYPE);
             Err(failure.label(format!("this is {}", describe(argument.call().engine(), value))).hint("give a number of it"))
         }
     };
@@ -122,8 +123,10 @@ fn chosen_names(argument: &Argument, known: &[String]) -> Result<Vec<String>, Fa
         if known.contains(&name) {
             return Ok(name);
         }
-        let failure =
-            argument.fail(format!("the rows have no column `{name}`")).cause(format!("their columns are {}", listed(known, "and")));
+        let failure = argument
+            .fail(format!("the rows have no column `{name}`"))
+            .code(causes::NO_SUCH)
+            .cause(format!("their columns are {}", listed(known, "and")));
         Err(failure.hint(did_you_mean(&name, known.iter().map(String::as_str)).unwrap_or_else(|| "use one of these names".into())))
     };
     argument.array()?.iter().map(name).collect()
