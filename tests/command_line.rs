@@ -475,6 +475,9 @@ fn a_deck_becomes_a_script_that_runs_and_a_picture() {
     ] {
         assert!(script.contains(line), "{script}");
     }
+    // Densities in t/mm^3 go with the earth's gravity in mm/s^2.
+    assert!(script.contains("scene.gravity([0.0, -9810.0]);"), "{script}");
+    assert_eq!(script.lines().filter(|line| !line.starts_with("//")).count(), 10, "{script}");
     let ran = run(&home, &["run", "two_blocks.rhai", "--quiet"]);
     assert!(ran.status.success(), "{}", stderr(&ran));
     let again = run(&home, &["new", "--from", "two_blocks.inp"]);

@@ -8,8 +8,12 @@ use std::path::{Path, PathBuf};
 use conserva::elements::CellKind;
 use conserva::mesh::{Boundary, Facet, Mesh, read_mesh, read_mesh_bytes};
 
+#[path = "meshes/collapsed.rs"]
+mod collapsed;
 #[path = "common/mesh_damage.rs"]
 mod mesh_damage;
+#[path = "meshes/refusals.rs"]
+mod refusals;
 #[path = "meshes/small.rs"]
 mod small;
 #[path = "meshes/surfaces.rs"]

@@ -2,15 +2,19 @@
 
 use std::collections::BTreeSet;
 use std::fmt::Write;
+use std::ops::RangeInclusive;
 
 use crate::mesh::{Deck, DeckBoundary};
+
+/// Densities of solids `[kg/m^3]`, and one t/mm^3.
+const DENSITIES: RangeInclusive<f64> = 10.0..=25_000.0;
+const TONS: f64 = 1e12;
 
 /// Names that are not available for variables of the script.
 const TAKEN: &[&str] = &[
     "deck",
     "scene",
     "sim",
-    "dt",
     "material",
     "let",
     "const",
@@ -142,12 +146,16 @@ pub fn script_of(deck: &Deck, path: &str, name: &str) -> String {
     }
     let dimension = deck.parts.iter().map(|part| part.mesh.dimension()).max().unwrap_or(2);
     let size = deck.parts.iter().flat_map(|part| part.mesh.points.as_flattened()).fold(0.0, |most: f64, x| most.max(x.abs()));
-    // in this time a body falls half of the size with an acceleration of 9.81
-    let fall = if size > 0.0 { (size / 9.81).sqrt() } else { 1.0 };
-    say(if dimension == 2 { "scene.gravity([0.0, -9.81]);".into() } else { "scene.gravity([0.0, 0.0, -9.81]);".to_string() });
-    say(format!("let dt = param(\"dt\", {:.1e});", fall / 200.0));
-    say("let sim = simulate(scene, #{ integrator: energy_momentum(), dt: dt });".into());
-    say("sim.run_to(200 * dt);".into());
+    // densities in t/mm^3 go with lengths in mm
+    let densities = deck.materials.iter().flat_map(|of| &of.properties).filter(|property| property.keyword == "DENSITY");
+    let is_in_millimeters =
+        is_missing || densities.filter_map(|of| of.numbers.first()).any(|density| DENSITIES.contains(&(TONS * density)));
+    let gravity = if is_in_millimeters { 9810.0 } else { 9.81 };
+    // in this time a body falls half of the size
+    let fall = if size > 0.0 { (size / gravity).sqrt() } else { 1.0 };
+    say(format!("scene.gravity([0.0, {}-{gravity:?}]);", if dimension == 2 { "" } else { "0.0, " }));
+    say(format!("let sim = simulate(scene, #{{ integrator: energy_momentum(), dt: param(\"dt\", {:.1e}) }});", fall / 200.0));
+    say("sim.step(200);".into());
     say("print(sim);".into());
     text
 }

@@ -112,6 +112,8 @@ impl FileProblem {
             FileProblem::Structural { .. } => "C0834",
             FileProblem::Form { .. } => "C0835",
             FileProblem::Undecodable { .. } => "C0836",
+            FileProblem::Collapsed { .. } => "C0837",
+            FileProblem::FewNodes { .. } => "C0838",
         }
     }
 }

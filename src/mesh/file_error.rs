@@ -166,6 +166,28 @@ pub enum FileProblem {
         /// Number of the first.
         first: u64,
     },
+    /// A cell with fewer nodes than its type has.
+    #[error("element {element} has {found} {}, but its type has {nodes}", if *.found == 1 { "node" } else { "nodes" })]
+    FewNodes {
+        /// Number of the element in the file.
+        element: u64,
+        /// Number of nodes in the file.
+        found: usize,
+        /// Number of nodes of its type.
+        nodes: usize,
+    },
+    /// A cell with repeated nodes that is no cell of another kind.
+    #[error("element {element}, a {kind}, names node {node} more than once{}", not_smaller(smaller))]
+    Collapsed {
+        /// Number of the element in the file.
+        element: u64,
+        /// Kind as which the cell is written.
+        kind: &'static str,
+        /// Number of the first repeated node.
+        node: u64,
+        /// Names of the kinds that cells of this kind may collapse to.
+        smaller: Vec<&'static str>,
+    },
     /// A kind of element that bodies are not made of here.
     #[error("element {element} is a {kind}, but cells read are {}", readable_cells())]
     UnsupportedCell {
@@ -322,10 +344,19 @@ pub enum FileProblem {
 
 /// Names of the cells that are read.
 fn readable_cells() -> String {
-    let names: Vec<&str> = crate::elements::CellKind::ALL.iter().map(|kind| kind.name()).collect();
+    listed(&crate::elements::CellKind::ALL.iter().map(|kind| kind.name()).collect::<Vec<_>>(), "and")
+}
+
+/// Kinds that a cell with repeated nodes is not of.
+fn not_smaller(smaller: &[&str]) -> String {
+    if smaller.is_empty() { String::new() } else { format!(", but not so that it would be a {}", listed(smaller, "or")) }
+}
+
+/// Names with a word before the last.
+fn listed(names: &[&str], word: &str) -> String {
     match names.split_last() {
         Some((last, [])) => (*last).into(),
-        Some((last, others)) => format!("{} and {last}", others.join(", ")),
+        Some((last, others)) => format!("{} {word} {last}", others.join(", ")),
         None => String::new(),
     }
 }

@@ -73,7 +73,7 @@ impl MeshError {
                 "mend the mesh there: nodes of a plane cell run counter-clockwise and its angles stay below 180 degrees".into()
             }
             DegenerateCell { .. } => "mend the mesh there: nodes of a cell must not coincide or lie on one line".into(),
-            RepeatedNode { .. } => "use cells with distinct nodes; a triangle written as a collapsed cell is not a quad4".into(),
+            RepeatedNode { .. } => "give cells and lines distinct nodes; a collapsed quadrilateral is a triangle of its own kind".into(),
             CrowdedFacet { .. } => "remove cells that overlap or that are there twice".into(),
             UnusedNodes { .. } => "remove the nodes, or add the cells that use them".into(),
             BrokenReference { .. } => "renumber the mesh from 0 without gaps".into(),

@@ -38,6 +38,7 @@ impl Case {
         ReadOptions {
             structural: if has("skip") { Structural::Refused } else { Structural::Skipped },
             shells: if has("plane") { Shells::Plane } else { Shells::Refused },
+            part: self.all("option").iter().find_map(|option| option.strip_prefix("part ")).map(String::from),
         }
     }
 

@@ -14,8 +14,12 @@ use crate::mesh::topology::{FacetKey, facet_key};
 use crate::mesh::{Boundary, Facet, Mesh, MeshError};
 
 /// The mesh of a file, and the changes made to the content.
-pub(super) fn assemble(mut tables: Tables, options: ReadOptions) -> Result<(Mesh, Vec<FileNote>), MeshError> {
+pub(super) fn assemble(mut tables: Tables, options: &ReadOptions) -> Result<(Mesh, Vec<FileNote>), MeshError> {
     tables.match_face_nodes();
+    let collapsed = tables.collapse()?;
+    if let Some(part) = &options.part {
+        tables.keep_part(part)?;
+    }
     settle_structural(&mut tables, options)?;
     let numbering = Numbering::new(&tables)?;
     let kinds = kinds_of(&tables)?;
@@ -48,6 +52,7 @@ pub(super) fn assemble(mut tables: Tables, options: ReadOptions) -> Result<(Mesh
     if let Some((count, first)) = tables.without_face_nodes {
         notes.push(FileNote::FaceNodes { count, first });
     }
+    notes.extend(collapsed);
     if !completed.is_empty() {
         notes.push(FileNote::CornerSets(completed));
     }
@@ -56,7 +61,7 @@ pub(super) fn assemble(mut tables: Tables, options: ReadOptions) -> Result<(Mesh
 
 /// Handles shells: on solid cells they are facets, beside plane cells they are left out, and without other cells they are refused or read
 /// as plane cells.
-fn settle_structural(tables: &mut Tables, options: ReadOptions) -> Result<(), MeshError> {
+fn settle_structural(tables: &mut Tables, options: &ReadOptions) -> Result<(), MeshError> {
     let [has_plane, has_solid] = [2, 3].map(|dimension| {
         tables.elements.iter().any(|(shape, elements)| {
             let is_cell = matches!(shape, Shape::Cell(kind) if kind.dimension() == dimension);
@@ -83,7 +88,7 @@ fn settle_structural(tables: &mut Tables, options: ReadOptions) -> Result<(), Me
 }
 
 /// Tables in which elements that are neither cells nor facets are counted as left out, unless this is refused.
-fn leave_out_strays(mut tables: Tables, strays: &[(Shape, Place)], options: ReadOptions) -> Result<Tables, MeshError> {
+fn leave_out_strays(mut tables: Tables, strays: &[(Shape, Place)], options: &ReadOptions) -> Result<Tables, MeshError> {
     strays.iter().for_each(|&(shape, at)| tables.leave_out(shape, 1, at));
     match tables.left_out.iter().next() {
         Some((name, &(count, at))) if options.structural == Structural::Refused => {

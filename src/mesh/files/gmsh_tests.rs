@@ -352,7 +352,8 @@ fn wrong_numbers_are_refused_in_their_line() {
     assert_eq!(refusal(SQUARES_2, "15 1 1 0", "14 1 1 0"), in_line(16, DuplicateNode { node: 14, first: Place::Line(15) }));
     assert_eq!(refusal(SQUARES_2, "99 5 5", "16 5 5"), in_line(18, DuplicateNode { node: 16, first: Place::Line(17) }));
     assert_eq!(refusal(SQUARES_2, "2 3 16 15", "2 3 17 15"), in_line(28, MissingNode { element: 7, node: 17 }));
-    assert_eq!(refusal(SQUARES_2, "2 3 16 15", "2 3 3 15"), MeshError::RepeatedNode { at: Some(Place::Line(28)), cell: 7, node: 3 });
+    let bow = Collapsed { element: 7, kind: "quad4", node: 2, smaller: vec!["tri3"] };
+    assert_eq!(refusal(SQUARES_2, "2 3 16 15", "2 3 2 15"), in_line(28, bow));
     assert_eq!(refusal(SQUARES_2, "1 1 0\n16", "1 1 1e-3\n16"), in_line(16, NotPlane { node: 15, z: 1e-3 }));
     // the unused node may be at any place
     assert!(read_gmsh(&SQUARES_2.replace("99 5 5 0", "99 5 5 7")).is_ok());

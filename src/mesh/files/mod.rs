@@ -9,6 +9,7 @@
 
 mod abaqus;
 mod assembly;
+mod collapse;
 mod gmsh;
 mod medit;
 mod nastran;

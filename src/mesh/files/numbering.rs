@@ -50,8 +50,13 @@ impl Numbering {
     /// Checks that the nodes of all elements exist and differ.
     pub fn check(&self, tables: &Tables) -> Result<(), MeshError> {
         for (shape, elements) in &tables.elements {
-            let mut indices = vec![0; shape.nodes()];
-            (0..elements.numbers.len()).try_for_each(|element| self.indices_into(tables, elements, element, &mut indices))?;
+            for (element, nodes) in elements.nodes.chunks_exact(shape.nodes()).enumerate() {
+                if let Some(&node) = nodes.iter().find(|&&node| self.index(node).is_none()) {
+                    let number = tables.written_element(elements.numbers[element]);
+                    let problem = FileProblem::MissingNode { element: number, node };
+                    return Err(FileError { at: tables.element_place(elements, element), problem }.into());
+                }
+            }
         }
         Ok(())
     }

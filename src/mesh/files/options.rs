@@ -23,12 +23,14 @@ pub enum Shells {
 }
 
 /// Options of reading a mesh file.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct ReadOptions {
     /// Elements that are no cells.
     pub structural: Structural,
     /// Shells without solid or plane cells.
     pub shells: Shells,
+    /// Name of the only part that is read, with its boundaries; `None` for the whole file.
+    pub part: Option<String>,
 }
 
 /// Path of an included file by its name, or the reason why it may not be read; `None` refuses all included files.
@@ -66,6 +68,13 @@ pub enum FileNote {
     },
     /// Arrays of results were left out: their names.
     Arrays(Vec<String>),
+    /// Cells with repeated nodes became cells of the kind that they are.
+    Collapsed {
+        /// Kinds as written and as read, with the number of these cells.
+        counts: Vec<(&'static str, &'static str, usize)>,
+        /// Smallest number of such a cell in the file.
+        first: u64,
+    },
 }
 
 impl FileNote {
@@ -79,6 +88,7 @@ impl FileNote {
             FileNote::WithoutCells(_) => "C0855",
             FileNote::FaceNodes { .. } => "C0856",
             FileNote::Arrays(_) => "C0857",
+            FileNote::Collapsed { .. } => "C0858",
         }
     }
 }
@@ -106,6 +116,10 @@ impl std::fmt::Display for FileNote {
                 )
             }
             FileNote::Arrays(names) => write!(out, "arrays that are no groups of cells are left out: {}", names.join(", ")),
+            FileNote::Collapsed { counts, first } => {
+                let counts: Vec<String> = counts.iter().map(|(written, kind, count)| format!("{count} {written} as {kind}")).collect();
+                write!(out, "cells with repeated nodes are read as what they are: {}; first element {first}", counts.join(", "))
+            }
             FileNote::CornerSets(names) => {
                 let names: Vec<String> = names.iter().map(|name| format!("\"{name}\"")).collect();
                 write!(out, "sets of corner nodes are taken as the whole faces that have these corners: {}", names.join(", "))

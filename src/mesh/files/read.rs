@@ -49,7 +49,7 @@ pub fn read_deck_bytes(content: &[u8], options: ReadOptions) -> Result<Deck, Mes
 
 fn deck(content: &[u8], options: ReadOptions, includes: Includes) -> Result<Deck, MeshError> {
     match first_byte(content) {
-        Some(b'*') => abaqus::read_deck(content, options, includes),
+        Some(b'*') => abaqus::read_deck(content, &options, includes),
         Some(b'$') => Err(other_format("a file without materials and instances")),
         _ => Err(other_format(format_of(content))),
     }
@@ -81,20 +81,20 @@ fn read(content: &[u8], options: ReadOptions, includes: Includes) -> Result<(Mes
     let begins =
         |with: &str| content.trim_ascii_start().strip_prefix("\u{feff}".as_bytes()).unwrap_or(content).starts_with(with.as_bytes());
     match first_byte(content) {
-        Some(b'*') => abaqus::read_whole(content, options, includes),
-        Some(b'<') => assemble_grid(vtk::read_xml(content)?, options),
-        Some(b'#') if begins("# vtk") => assemble_grid(vtk::read_legacy(content)?, options),
-        _ if medit::begins(content) => assemble(medit::read(content)?, options),
-        _ if su2::begins(content) => assemble(su2::read(content)?, options),
-        _ if universal::begins(content) => assemble(universal::read(content)?, options),
-        _ if nastran::begins(content) => assemble(nastran::read(content)?, options),
-        Some(b'$') => assemble(gmsh::read(content)?, options),
+        Some(b'*') => abaqus::read_whole(content, &options, includes),
+        Some(b'<') => assemble_grid(vtk::read_xml(content)?, &options),
+        Some(b'#') if begins("# vtk") => assemble_grid(vtk::read_legacy(content)?, &options),
+        _ if medit::begins(content) => assemble(medit::read(content)?, &options),
+        _ if su2::begins(content) => assemble(su2::read(content)?, &options),
+        _ if universal::begins(content) => assemble(universal::read(content)?, &options),
+        _ if nastran::begins(content) => assemble(nastran::read(content)?, &options),
+        Some(b'$') => assemble(gmsh::read(content)?, &options),
         _ => Err(other_format(format_of(content))),
     }
 }
 
 /// Mesh of a grid, with a note of the arrays that are no groups of cells.
-fn assemble_grid(mut grid: vtk::Content, options: ReadOptions) -> Result<(Mesh, Vec<FileNote>), MeshError> {
+fn assemble_grid(mut grid: vtk::Content, options: &ReadOptions) -> Result<(Mesh, Vec<FileNote>), MeshError> {
     grid.tables.turn_wedges();
     let (mesh, mut notes) = assemble(grid.tables, options)?;
     if !grid.left_out.is_empty() {

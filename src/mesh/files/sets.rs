@@ -37,8 +37,8 @@ pub(super) fn attach_surfaces(
     let hull: BTreeSet<Facet> = mesh.hull().into_iter().collect();
     for surface in &tables.surfaces {
         let mut facets: Vec<Facet> = Vec::new();
-        for &(number, side) in &surface.sides {
-            let fail = |problem: FileProblem| Err(FileError { at: surface.at, problem }.into());
+        for &(number, side, at) in &surface.sides {
+            let fail = |problem: FileProblem| Err(FileError { at, problem }.into());
             let Some(&cell) = cells.get(&number) else {
                 let (name, number) = (surface.name.clone(), tables.written_element(number));
                 return fail(FileProblem::UnknownMember { owner: "surface", name, kind: "element", number });
@@ -47,11 +47,14 @@ pub(super) fn attach_surfaces(
                 facets.extend(hull.range(Facet { cell, local: 0 }..=Facet { cell, local: u8::MAX }));
                 continue;
             }
-            let kind = mesh.kind_of(cell as usize);
-            let Some(local) = facet_of_side(kind, side) else {
-                return fail(FileProblem::UnknownSide { name: surface.name.clone(), side: format!("S{side}"), kind: kind.name() });
+            let (kind, collapse) = (mesh.kind_of(cell as usize), tables.collapsed.get(&number));
+            let written = collapse.map_or(kind, |collapse| collapse.written);
+            let Some(local) = facet_of_side(written, side) else {
+                return fail(FileProblem::UnknownSide { name: surface.name.clone(), side: format!("S{side}"), kind: written.name() });
             };
-            // the sides of a reversed plane cell are numbered in the opposite order
+            // a side that has become an edge or a point has no area
+            let Some(local) = collapse.map_or(Some(local), |collapse| collapse.facets[usize::from(local)]) else { continue };
+            // the sides of a plane cell that was reversed are met in the opposite order
             let last = kind.facets().len() as u8 - 1;
             facets.push(Facet { cell, local: if reversed.contains(&cell) { last - local } else { local } });
         }

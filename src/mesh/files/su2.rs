@@ -43,7 +43,7 @@ pub(super) fn read(content: &[u8]) -> Result<Tables, MeshError> {
     let (mut tables, mut dimension, mut number) = (Tables::default(), 0, 0);
     while let Some((line, content)) = lines.0.next() {
         let at = Place::Line(line);
-        let Some((keyword, value)) = content.split_once('=') else {
+        let Some((keyword, value)) = content.split_once('=').map(|(keyword, value)| (keyword, value.trim())) else {
             return Err(malformed(at, "a keyword with its value, such as NELEM= 10", content));
         };
         let count = || {
@@ -61,6 +61,9 @@ pub(super) fn read(content: &[u8]) -> Result<Tables, MeshError> {
                     return Err(malformed(at, "the dimension, 2 or 3", value));
                 }
             }
+            "NPOIN" | "NELEM" | "MARKER_TAG" if dimension == 0 => {
+                return Err(FileError { at, problem: FileProblem::MissingSection { section: "NDIME" } }.into());
+            }
             "NPOIN" => points(&mut lines, &mut tables, dimension, count()?, line)?,
             "NELEM" => {
                 tables.elements_begin = Some(at);
@@ -69,7 +72,7 @@ pub(super) fn read(content: &[u8]) -> Result<Tables, MeshError> {
             }
             "MARKER_TAG" => {
                 let group = tables.names.len() as u64 + 1;
-                tables.names.insert((dimension.max(1) - 1, group), value.trim().into());
+                tables.names.insert((dimension - 1, group), value.into());
             }
             "MARKER_ELEMS" => {
                 let group = tables.names.len() as u64;

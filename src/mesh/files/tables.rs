@@ -1,9 +1,12 @@
 //! Content of mesh files of any format: nodes, elements by their shape, and their groups, numbered as in the file.
 
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
+use super::collapse::{Collapse, first_places, smaller_kinds};
+use super::options::FileNote;
 use crate::elements::{CellKind, CellRow};
 use crate::mesh::MeshError;
+use crate::mesh::check::repeated;
 use crate::mesh::file_error::{FileError, FileProblem, Place};
 
 /// The shape of an element with its number of nodes.
@@ -55,14 +58,20 @@ pub(super) struct Elements {
     pub nodes: Vec<u64>,
 }
 
+/// An element that was taken out of its table.
+struct Element {
+    number: u64,
+    place: u64,
+    groups: u32,
+    nodes: Vec<u64>,
+}
+
 /// Sides of elements under one name.
 #[derive(Clone)]
 pub(super) struct Surface {
     pub name: String,
-    /// Place of the definition.
-    pub at: Place,
-    /// Numbers of elements, each with a side from 1; 0 for all its sides on the hull.
-    pub sides: Vec<(u64, u8)>,
+    /// Numbers of elements, each with a side from 1, or 0 for all its sides on the hull, and the place that names it.
+    pub sides: Vec<(u64, u8, Place)>,
 }
 
 /// Nodes under one name.
@@ -103,7 +112,9 @@ pub(super) struct Tables {
     pub left_out: BTreeMap<String, (usize, Place)>,
     /// Cells whose nodes in faces were left out: their number, and the number of the first.
     pub without_face_nodes: Option<(usize, u64)>,
-    /// Original numbers of nodes and elements that were renumbered from 1; empty if the numbers are those of the file.
+    /// Cells that were written with repeated nodes, by their numbers.
+    pub collapsed: HashMap<u64, Collapse>,
+    /// Numbers in the file of nodes and elements that were numbered anew from 1; empty where numbers are those of the file.
     written_nodes: Vec<u64>,
     written_elements: Vec<u64>,
 }
@@ -115,17 +126,28 @@ pub(super) struct Appended {
 }
 
 impl Elements {
-    /// Removes the elements whose numbers satisfy a condition, with `nodes_each` nodes each; returns their number and the place of the
-    /// first.
-    fn take_out(&mut self, nodes_each: usize, condition: impl Fn(u64) -> bool) -> Option<(usize, u64)> {
-        let kept: Vec<usize> = (0..self.numbers.len()).filter(|&k| !condition(self.numbers[k])).collect();
-        let first = (0..self.numbers.len()).find(|&k| condition(self.numbers[k]))?;
-        let taken = (self.numbers.len() - kept.len(), self.places[first]);
-        self.nodes = kept.iter().flat_map(|&k| &self.nodes[k * nodes_each..(k + 1) * nodes_each]).copied().collect();
+    /// Takes out the elements whose number and nodes fulfil a condition, of as many nodes each.
+    fn take_out(&mut self, nodes_each: usize, condition: impl Fn(u64, &[u64]) -> bool) -> Vec<Element> {
+        let nodes = |k: usize| &self.nodes[k * nodes_each..(k + 1) * nodes_each];
+        let (taken, kept): (Vec<usize>, Vec<usize>) = (0..self.numbers.len()).partition(|&k| condition(self.numbers[k], nodes(k)));
+        if taken.is_empty() {
+            return Vec::new();
+        }
+        let element =
+            |&k: &usize| Element { number: self.numbers[k], place: self.places[k], groups: self.groups[k], nodes: nodes(k).to_vec() };
+        let elements = taken.iter().map(element).collect();
+        self.nodes = kept.iter().flat_map(|&k| nodes(k)).copied().collect();
         self.places = kept.iter().map(|&k| self.places[k]).collect();
         self.groups = kept.iter().map(|&k| self.groups[k]).collect();
         self.numbers = kept.iter().map(|&k| self.numbers[k]).collect();
-        Some(taken)
+        elements
+    }
+
+    fn push(&mut self, element: Element) {
+        self.numbers.push(element.number);
+        self.places.push(element.place);
+        self.groups.push(element.groups);
+        self.nodes.extend(element.nodes);
     }
 }
 
@@ -187,6 +209,11 @@ impl Tables {
 
     /// Removes the nodes in faces and centers from all cells if some are read without them, so that neighbors match.
     pub fn match_face_nodes(&mut self) {
+        if let Some(elements) = self.elements.get(&Shape::Cell(CellKind::Hex27)) {
+            let mut cells = elements.nodes.chunks_exact(CellKind::Hex27.nodes());
+            let first = cells.position(|nodes| repeated(nodes).is_some());
+            first.map(|first| self.without_face_nodes.get_or_insert((0, elements.numbers[first])));
+        }
         let Some((count, _)) = &mut self.without_face_nodes else { return };
         for (kind, reduced) in [(CellKind::Hex27, CellKind::Hex20), (CellKind::Quad9, CellKind::Quad8)] {
             let Some(elements) = self.elements.remove(&Shape::Cell(kind)) else { continue };
@@ -199,8 +226,82 @@ impl Tables {
         }
     }
 
-    /// Reverses wedges whose first triangle faces away from the second, as in VTK before version 9.6 and in SU2. Nodes must be numbered
-    /// from 0 in their order.
+    /// Makes cells with repeated nodes cells of the kind that they are, with a note that counts them. Elements that are no cells of bodies
+    /// and have no extent are left out.
+    ///
+    /// # Errors
+    /// A cell with repeated nodes that is no cell of another kind.
+    pub fn collapse(&mut self) -> Result<Option<FileNote>, MeshError> {
+        let mut known: HashMap<(CellKind, Vec<usize>), Option<Collapse>> = HashMap::new();
+        let mut counts: BTreeMap<(CellKind, CellKind), usize> = BTreeMap::new();
+        let mut first: Option<u64> = None;
+        for &written in CellKind::ALL {
+            let shape = Shape::Cell(written);
+            let Some(elements) = self.elements.get_mut(&shape) else { continue };
+            for element in elements.take_out(written.nodes(), |_, nodes| repeated(nodes).is_some()) {
+                let pattern = (written, first_places(&element.nodes));
+                let found = known.entry(pattern).or_insert_with_key(|(kind, first)| Collapse::new(*kind, first));
+                let (number, at) = (element.number, self.place(element.place));
+                let is_structural = self.structural.contains(&number);
+                let Some(collapse) = found else {
+                    if is_structural {
+                        self.leave_out(shape, 1, at);
+                        continue;
+                    }
+                    let node = repeated(&element.nodes).map_or(0, |node| self.written_node(node));
+                    let (element, smaller) = (self.written_element(number), smaller_kinds(written).map(CellKind::name).collect());
+                    return Err(FileError { at, problem: FileProblem::Collapsed { element, kind: written.name(), node, smaller } }.into());
+                };
+                let own = Shape::Cell(collapse.kind);
+                if is_structural {
+                    let known = self.structural_types.get(&shape).cloned();
+                    known.map(|known| self.structural_types.entry(own).or_insert(known));
+                } else {
+                    *counts.entry((written, collapse.kind)).or_default() += 1;
+                    first = Some(first.map_or(number, |first| first.min(number)));
+                }
+                let nodes = collapse.places.iter().map(|&place| element.nodes[place]).collect();
+                self.collapsed.insert(number, collapse.clone());
+                self.elements.entry(own).or_default().push(Element { nodes, ..element });
+            }
+        }
+        let counts = counts.into_iter().map(|((written, kind), count)| (written.name(), kind.name(), count)).collect();
+        Ok(first.map(|first| FileNote::Collapsed { counts, first: self.written_element(first) }))
+    }
+
+    /// Keeps the cells of a part, and the elements and sides of boundaries on them.
+    ///
+    /// # Errors
+    /// No cell is in a part of that name.
+    pub fn keep_part(&mut self, part: &str) -> Result<(), MeshError> {
+        let is_used = |(shape, elements): (&Shape, &Elements)| (!elements.numbers.is_empty()).then(|| shape.dimension());
+        let Some(dimension) = self.elements.iter().filter_map(is_used).max() else { return Ok(()) };
+        let cells = || self.elements.iter().filter(|(shape, _)| shape.dimension() == dimension);
+        let used: BTreeSet<u64> =
+            cells().flat_map(|(_, elements)| &elements.groups).flat_map(|&list| &self.groups[list as usize]).copied().collect();
+        let Some(group) = used.iter().copied().find(|&group| self.name(dimension, group) == part) else {
+            let available = used.iter().map(|&group| self.name(dimension, group)).collect();
+            return Err(MeshError::UnknownPart { name: part.into(), available });
+        };
+        let (mut nodes, mut kept) = (HashSet::new(), HashSet::new());
+        let groups = &self.groups;
+        for (shape, elements) in self.elements.iter_mut().filter(|(shape, _)| shape.dimension() == dimension) {
+            let is_member = |(&number, &list): (&u64, &u32)| groups[list as usize].contains(&group).then_some(number);
+            let of_part: HashSet<u64> = elements.numbers.iter().zip(&elements.groups).filter_map(is_member).collect();
+            elements.take_out(shape.nodes(), |number, _| !of_part.contains(&number));
+            nodes.extend(elements.nodes.iter().copied());
+            kept.extend(of_part);
+        }
+        for (shape, elements) in self.elements.iter_mut().filter(|(shape, _)| shape.dimension() < dimension) {
+            elements.take_out(shape.nodes(), |_, own| own.iter().any(|node| !nodes.contains(node)));
+        }
+        self.surfaces.iter_mut().for_each(|surface| surface.sides.retain(|(number, ..)| kept.contains(number)));
+        self.surfaces.retain(|surface| !surface.sides.is_empty());
+        Ok(())
+    }
+
+    /// Turns wedges whose first triangle looks away from the second, as VTK had them before version 9.6 and SU2 has them. Nodes must be
+    /// numbered from 0 in their order.
     pub fn turn_wedges(&mut self) {
         for kind in [CellKind::Wedge6, CellKind::Wedge15] {
             let Some(elements) = self.elements.get_mut(&Shape::Cell(kind)) else { continue };
@@ -216,9 +317,10 @@ impl Tables {
     /// Leaves out all elements of a shape that are no cells.
     pub fn leave_out_structural(&mut self, shape: Shape) {
         let Some(elements) = self.elements.get_mut(&shape) else { return };
-        let Some((count, first)) = elements.take_out(shape.nodes(), |number| self.structural.contains(&number)) else { return };
-        let at = self.place(first);
-        self.leave_out(shape, count, at);
+        let taken = elements.take_out(shape.nodes(), |number, _| self.structural.contains(&number));
+        if let Some(first) = taken.first() {
+            self.leave_out(shape, taken.len(), self.place(first.place));
+        }
     }
 
     /// Counts elements of a shape that are left out, the first of them at a place.
@@ -286,10 +388,11 @@ const TURNED_WEDGE: [usize; 15] = [0, 2, 1, 3, 5, 4, 8, 7, 6, 11, 10, 9, 12, 14,
 /// True if the first triangle of a wedge faces away from the second.
 fn is_inside_out(nodes: &[u64], points: &[[f64; 3]]) -> bool {
     let point = |k: usize| usize::try_from(nodes[k]).ok().and_then(|node| points.get(node));
-    let (Some(a), Some(b), Some(c), Some(d)) = (point(0), point(1), point(2), point(3)) else { return false };
-    let [u, v, w] = [b, c, d].map(|end| [0, 1, 2].map(|i| end[i] - a[i]));
+    let (Some(a), Some(b), Some(c)) = (point(0), point(1), point(2)) else { return false };
+    let (Some(d), Some(e), Some(f)) = (point(3), point(4), point(5)) else { return false };
+    let [u, v] = [b, c].map(|end| [0, 1, 2].map(|i| end[i] - a[i]));
     let normal = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
-    (0..3).map(|i| normal[i] * w[i]).sum::<f64>() < 0.0
+    (0..3).map(|i| normal[i] * (d[i] + e[i] + f[i] - a[i] - b[i] - c[i])).sum::<f64>() < 0.0
 }
 
 fn written(written: &[u64], number: u64) -> u64 {

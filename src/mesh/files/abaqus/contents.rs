@@ -202,11 +202,11 @@ impl Contents {
 
     fn surfaces(&self, scope: usize, used: &[usize], merged: &mut Merged) -> Result<(), MeshError> {
         for surface in self.scopes[scope].surfaces.iter().filter(|surface| !surface.is_internal) {
-            let fail = |problem| Err(FileError { at: surface.at, problem }.into());
             let mut sides = Vec::new();
             let mut has_others = false;
-            for (owner, side, at) in &surface.sides {
-                let key = key_of(owner);
+            for (written, side, at) in &surface.sides {
+                let fail = |problem| Err(FileError { at: *at, problem }.into());
+                let key = key_of(written);
                 let of_instance = self.of_instance(&key);
                 let set = self.find(Kind::Elements, scope, &key);
                 let number = |text: &str| text.parse::<u64>().ok();
@@ -214,7 +214,7 @@ impl Contents {
                     (Some(number), ..) => vec![(scope, number)],
                     (None, Some((scope, set)), _) => self.numbers(Kind::Elements, scope, set)?.into_iter().collect(),
                     (None, None, Some(member)) => vec![member],
-                    _ => return fail(FileProblem::UnknownSet { kind: "element set", name: owner.clone() }),
+                    _ => return fail(FileProblem::UnknownSet { kind: "element set", name: written.clone() }),
                 };
                 for (owner, number) in members {
                     let own = &self.scopes[owner];
@@ -227,8 +227,7 @@ impl Contents {
                         Some(Ok(number @ 1..=6)) => number,
                         _ => {
                             let expected = "an element or a set of elements, and a side from S1 to S6";
-                            let problem = FileProblem::Malformed { expected, found: format!("{owner}, {side}") };
-                            return Err(FileError { at: *at, problem }.into());
+                            return fail(FileProblem::Malformed { expected, found: format!("{written}, {side}") });
                         }
                     };
                     if !own.elements.contains_key(&number) {
@@ -236,7 +235,7 @@ impl Contents {
                         return fail(FileProblem::UnknownMember { owner: "surface", name, kind: "element", number });
                     }
                     match merged.element(owner, number) {
-                        Some(number) => sides.push((number, side)),
+                        Some(number) => sides.push((number, side, *at)),
                         None => has_others = true,
                     }
                 }
@@ -246,7 +245,7 @@ impl Contents {
             }
             let is_taken = |key: &str| self.scopes[0].surfaces.iter().any(|known| !known.is_internal && key_of(&known.name) == key);
             let name = self.label(scope, &surface.name, used, is_taken);
-            merged.tables.surfaces.push(Surface { name, at: surface.at, sides });
+            merged.tables.surfaces.push(Surface { name, sides });
         }
         Ok(())
     }

@@ -57,7 +57,7 @@ pub struct Deck {
 /// The mesh of all parts and instances of a file, and the changes made to the content.
 pub(in crate::mesh::files) fn read_whole(
     content: &[u8],
-    options: ReadOptions,
+    options: &ReadOptions,
     includes: Includes,
 ) -> Result<(Mesh, Vec<FileNote>), MeshError> {
     let contents = read(content, includes)?;
@@ -69,7 +69,7 @@ pub(in crate::mesh::files) fn read_whole(
 }
 
 /// The deck that a file describes.
-pub(in crate::mesh::files) fn read_deck(content: &[u8], options: ReadOptions, includes: Includes) -> Result<Deck, MeshError> {
+pub(in crate::mesh::files) fn read_deck(content: &[u8], options: &ReadOptions, includes: Includes) -> Result<Deck, MeshError> {
     let contents = read(content, includes)?;
     let mut notes = contents.notes.clone();
     match parts_of(&contents, options, &mut notes) {
@@ -79,7 +79,7 @@ pub(in crate::mesh::files) fn read_deck(content: &[u8], options: ReadOptions, in
 }
 
 /// Parts, each with its scope.
-fn parts_of(contents: &Contents, options: ReadOptions, notes: &mut Vec<FileNote>) -> Result<Vec<(usize, DeckPart)>, MeshError> {
+fn parts_of(contents: &Contents, options: &ReadOptions, notes: &mut Vec<FileNote>) -> Result<Vec<(usize, DeckPart)>, MeshError> {
     let used = contents.used();
     if used == [0] {
         let (mesh, own) = assemble(contents.tables(&[0])?, options)?;

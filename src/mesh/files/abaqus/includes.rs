@@ -39,7 +39,8 @@ pub(super) struct Text<'a> {
 impl<'a> Text<'a> {
     /// Content of a file with all included files.
     pub fn new(content: &'a [u8], includes: Includes) -> Result<Text<'a>, MeshError> {
-        if !content.windows(5).any(|word| word.eq_ignore_ascii_case(b"input")) {
+        let has = |text: &[u8]| content.windows(text.len()).any(|word| word.eq_ignore_ascii_case(text));
+        if !has(b"input") && !has(b"include") {
             return Ok(Text { content: Cow::Borrowed(content), origins: Origins::default() });
         }
         let mut expansion = Expansion { origins: Origins::default(), lines: 0, whole: Vec::new(), chain: Vec::new(), includes };
@@ -110,6 +111,9 @@ impl Expansion<'_> {
             if let Some(name) = input_of(&keyword) {
                 self.include(&keyword, &name, Place::Line(at))?;
                 self.origins.stretches.push(Stretch { from: self.lines + 1, line: last + 2, file });
+            } else if is_include(&keyword) {
+                let problem = FileProblem::MissingParameter { keyword: "INCLUDE".into(), parameter: "INPUT" };
+                return Err(FileError { at: Place::Line(at), problem }.into());
             }
         }
         Ok(())
@@ -163,14 +167,15 @@ fn is_include(keyword: &[u8]) -> bool {
     name_of(keyword) == "INCLUDE"
 }
 
-/// The value of the parameter `INPUT` of keywords whose lines may come from another file.
+/// The value of the parameter `INPUT` of keywords whose lines may come from another file; `INCLUDE` may have `FILE` in its place.
 fn input_of(keyword: &[u8]) -> Option<String> {
     if !matches!(&*name_of(keyword), "INCLUDE" | "NODE" | "ELEMENT" | "NSET" | "ELSET") {
         return None;
     }
     String::from_utf8_lossy(keyword).split(',').skip(1).find_map(|field| {
         let (name, value) = field.split_once('=')?;
-        name.trim().eq_ignore_ascii_case("input").then(|| value.trim().trim_matches('"').to_string())
+        let is_file = |name: &str| name.eq_ignore_ascii_case("input") || name.eq_ignore_ascii_case("file") && is_include(keyword);
+        is_file(name.trim()).then(|| value.trim().trim_matches('"').to_string())
     })
 }
 

@@ -45,7 +45,7 @@ enum Open {
         /// True if the elements are no plane or solid cells.
         is_structural: bool,
         /// Fields of an element that continues in the next line, and its first line.
-        begun: Option<(Vec<u64>, Place)>,
+        begun: Option<Begun>,
     },
     /// Elements without a shape.
     Structural {
@@ -77,6 +77,14 @@ enum Open {
     Statement(Statement),
 }
 
+/// An element whose lines have not all been read.
+struct Begun {
+    fields: Vec<u64>,
+    at: Place,
+    /// True if every line so far ends with a comma, as Abaqus demands; CalculiX reads on until the last node without it.
+    has_commas: bool,
+}
+
 struct Reader {
     contents: Contents,
     parts: Vec<Scope>,
@@ -106,7 +114,7 @@ fn read_lines(content: &[u8]) -> Result<Contents, MeshError> {
                 if is_first && keyword.name == "KEYWORD" {
                     return keyword.fail(FileProblem::OtherFormat { found: "an LS-DYNA input file" });
                 }
-                close(open, lines.place())?;
+                reader.close(open)?;
                 open = reader.open(keyword)?;
             }
             Item::Data(data) if is_first => {
@@ -116,7 +124,7 @@ fn read_lines(content: &[u8]) -> Result<Contents, MeshError> {
         }
         is_first = false;
     }
-    close(open, lines.place())?;
+    reader.close(open)?;
     let Reader { mut contents, parts, .. } = reader;
     if contents.scopes.len() == 1 {
         // parts of a file without an assembly are used directly
@@ -132,19 +140,41 @@ fn read_lines(content: &[u8]) -> Result<Contents, MeshError> {
     Ok(contents)
 }
 
-/// Ends the lines of a keyword; an element whose lines end before its last node is an error.
-fn close(open: Open, at: Place) -> Result<(), MeshError> {
-    match open {
-        Open::Elements { begun: Some((fields, begin)), shape, .. } => {
-            let (found, announced) = (fields.len(), shape.nodes() + 1);
-            let problem = FileProblem::Truncated { section: "*ELEMENT".into(), begin, found, announced };
-            Err(FileError { at, problem }.into())
-        }
-        _ => Ok(()),
+impl Begun {
+    /// Error of an element that has fewer nodes than its shape.
+    fn fail<T>(&self, shape: Shape) -> Result<T, MeshError> {
+        let problem = FileProblem::FewNodes { element: self.fields[0], found: self.fields.len() - 1, nodes: shape.nodes() };
+        Err(FileError { at: self.at, problem }.into())
     }
 }
 
 impl Reader {
+    /// Ends the lines of a keyword; a cell whose lines end before its last node is an error.
+    fn close(&mut self, open: Open) -> Result<(), MeshError> {
+        match open {
+            Open::Elements { begun: Some(Begun { fields, at, .. }), shape, set, is_structural: true } => {
+                self.element(shape, &fields, set, at)
+            }
+            Open::Elements { begun: Some(begun), shape, .. } => begun.fail(shape),
+            _ => Ok(()),
+        }
+    }
+
+    /// Keeps an element; one with fewer nodes than its shape is left out.
+    fn element(&mut self, shape: Shape, fields: &[u64], set: Option<usize>, at: Place) -> Result<(), MeshError> {
+        let (number, scope) = (fields[0], self.scope());
+        if let Some(nodes) = fields.get(1..=shape.nodes()) {
+            scope.add_element(shape, number, nodes, at)?;
+        } else {
+            scope.structural.insert(number);
+            scope.tables.leave_out(shape, 1, at);
+        }
+        if let Some(set) = set {
+            scope.element_sets.add(set, number);
+        }
+        Ok(())
+    }
+
     fn scope(&mut self) -> &mut Scope {
         match self.current {
             Current::Rest => &mut self.contents.scopes[0],
@@ -188,7 +218,7 @@ impl Reader {
                     None | Some("ELEMENT") => {
                         let is_internal = keyword.value("INTERNAL").is_some();
                         let surfaces = &mut self.scope().surfaces;
-                        surfaces.push(Sides { name, at: keyword.at, is_internal, sides: Vec::new() });
+                        surfaces.push(Sides { name, is_internal, sides: Vec::new() });
                         Open::Surface { surface: surfaces.len() - 1 }
                     }
                     Some("NODE") => Open::NodeSurface { set: self.scope().node_sets.open(&name, &keyword) },
@@ -281,17 +311,12 @@ impl Reader {
                 scope.tables.add_node(node, point, data.at)
             }
             Open::Elements { shape, set, is_structural, begun } => {
-                let Some((fields, at)) = element_fields(*shape, begun, data, &mut self.contents.notes)? else { return Ok(()) };
-                let (number, nodes) = (fields[0], &fields[1..=shape.nodes()]);
-                let scope = self.scope();
-                scope.add_element(*shape, number, nodes, at)?;
-                if *is_structural {
-                    scope.tables.structural.insert(number);
+                let notes = if *is_structural { None } else { Some(&mut self.contents.notes) };
+                let Some((fields, at)) = element_fields(*shape, begun, data, notes)? else { return Ok(()) };
+                if *is_structural && fields.len() > shape.nodes() {
+                    self.scope().tables.structural.insert(fields[0]);
                 }
-                if let Some(set) = set {
-                    scope.element_sets.add(*set, number);
-                }
-                Ok(())
+                self.element(*shape, &fields, *set, at)
             }
             Open::Structural { name, set, goes_on } => {
                 let is_next = !std::mem::replace(goes_on, data.goes_on());
@@ -344,24 +369,26 @@ impl Reader {
 /// Number and nodes of a complete element, and its first line. Numbers after the nodes are ignored.
 fn element_fields(
     shape: Shape,
-    begun: &mut Option<(Vec<u64>, Place)>,
+    begun: &mut Option<Begun>,
     data: &Data,
-    notes: &mut Vec<FileNote>,
+    notes: Option<&mut Vec<FileNote>>,
 ) -> Result<Option<(Vec<u64>, Place)>, MeshError> {
     const EXPECTED: &str = "an element with its number and nodes";
-    let (mut fields, at) = begun.take().unwrap_or((Vec::new(), data.at));
+    let mut element = begun.take().unwrap_or(Begun { fields: Vec::new(), at: data.at, has_commas: true });
     let needed = shape.nodes() + 1;
-    for field in data.fields() {
-        fields.push(data.number(Some(field), EXPECTED)?);
+    let more: Vec<u64> = data.fields().map(|field| data.number(Some(field), EXPECTED)).collect::<Result<_, _>>()?;
+    if element.fields.len() + more.len() > needed && !element.has_commas {
+        // the line is that of the next element
+        return element.fail(shape);
     }
-    if fields.len() < needed {
-        if !data.goes_on() {
-            return data.malformed(EXPECTED);
-        }
-        *begun = Some((fields, at));
+    element.fields.extend(more);
+    if element.fields.len() < needed && (notes.is_some() || data.goes_on()) {
+        element.has_commas &= data.goes_on();
+        *begun = Some(element);
         return Ok(None);
     }
-    if fields.len() > needed {
+    let Begun { fields, at, .. } = element;
+    if let Some(notes) = notes.filter(|_| fields.len() > needed) {
         match notes.iter_mut().find_map(|note| if let FileNote::LongLines { count, .. } = note { Some(count) } else { None }) {
             Some(count) => *count += 1,
             None => notes.push(FileNote::LongLines { count: 1, first: fields[0] }),

@@ -12,7 +12,6 @@ use crate::mesh::file_error::{FileError, FileProblem, Place};
 #[derive(Clone)]
 pub(super) struct Sides {
     pub name: String,
-    pub at: Place,
     pub is_internal: bool,
     /// Element or element set, side as written (empty: all sides on the hull), and line.
     pub sides: Vec<(String, String, Place)>,

@@ -24,6 +24,9 @@ pub fn functions() -> Vec<Function> {
 }
 
 fn reader() -> Function {
+    let mut parameters = reading_parameters();
+    let part = "name of the only part that is read, with its boundaries, such as a body of a frame";
+    parameters.push(Parameter::new("part", Kind::Text, part).or(Absent::Means("the whole file")));
     Function {
         name: "read_mesh",
         form: Form::Function,
@@ -35,7 +38,7 @@ fn reader() -> Function {
                   UNV, Nastran bulk data, SU2: references, groups, properties and markers are parts and boundaries",
         parameters: vec![
             Parameter::new("path", Kind::Text, "the file, below the script's folder or a folder that `--allow-read` names"),
-            Parameter::new("options", Kind::Options(reading_parameters()), "how it is read").or(Absent::Means("its defaults")),
+            Parameter::new("options", Kind::Options(parameters), "how it is read").or(Absent::Means("its defaults")),
         ],
         returns: MeshHandle::NAME,
         example: "expect_error(|| read_mesh(\"missing.msh\"), \"there is no file\");".into(),
@@ -45,7 +48,9 @@ fn reader() -> Function {
             let (path, options) = (argument.text()?, call.options("options")?);
             let file = readable(&argument, &path)?;
             let find = |name: &str| included(call, &file, name);
-            let read = mesh::read_mesh_with(&file, read_options(&options)?, Some(&find));
+            let part = options.argument("part");
+            let part = if part.is_given() { Some(part.text()?) } else { None };
+            let read = mesh::read_mesh_with(&file, ReadOptions { part, ..read_options(&options)? }, Some(&find));
             let (mesh, notes) = read.map_err(|error| read_failure(&argument, &path, &file, &error))?;
             notes_warned(call, &path, &notes);
             Ok(Dynamic::from(MeshHandle::new(mesh)))
@@ -72,6 +77,7 @@ pub fn read_options(options: &Options) -> Result<ReadOptions, Failure> {
     Ok(ReadOptions {
         structural: if is("skip", "error")? { Structural::Refused } else { Structural::Skipped },
         shells: if is("shells", "plane")? { Shells::Plane } else { Shells::Refused },
+        part: None,
     })
 }
 

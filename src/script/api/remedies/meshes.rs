@@ -55,7 +55,9 @@ impl ScriptWords for MeshError {
                 }
                 FileProblem::Structural { .. } => "take these elements out of the file, or write `skip: \"warn\"`".into(),
                 FileProblem::MixedCells { .. } => {
-                    format!("{}; `read_deck` reads every instance of an input file as a mesh of its own", self.hint())
+                    "mesh all of it in one order (`Mesh.ElementOrder = 1;` or `2;` in Gmsh), or read each part by itself: \
+                     `read_mesh(path, #{ part: \"name\" })`, every instance of an input file with `read_deck`"
+                        .into()
                 }
                 _ => self.hint(),
             },
