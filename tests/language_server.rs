@@ -97,6 +97,10 @@ fn completions_know_values_and_types() {
     complete("fn f(sim) { let part = rectangle(#{ size: [1.0, 1.0], cells: [1, 1] }); part.", &["refine", "nodes"], &["run_to"]);
     complete("fn f(length) { le", &["length", "let"], &["load"]);
     complete("fn f(body) { body.bound", &["boundary"], &[]);
+    // Units by name, also behind a quotient.
+    complete("let e = quantity(1.0, \"k", &["kg", "kN"], &["table"]);
+    complete("let e = in_unit([1.0], \"kg/m", &["kg/mm"], &[]);
+    complete("units(\"m", &["mm-N-t", "mm"], &[]);
     complete("// tw", &[], &["twice"]);
     // The help of a completion is sent on request.
     let text = format!("{PRESS}le");

@@ -185,8 +185,51 @@ fn files_and_pictures_say_their_units() {
     let parquet = std::fs::read(out.join("all.parquet")).unwrap();
     assert!(String::from_utf8_lossy(&parquet).contains("\"race.max_pressure\":\"MPa\""));
     assert!(text("report.html").contains("\"von_mises\":\"MPa\""));
+    run(&home, "SI");
+    let different = program::conserva(&home, &["diff", "SI", "mm-N-t", "--ignore", "momentum*"]).output().unwrap();
+    assert!(stdout(&different).contains(" J/m ") && stdout(&different).contains(" Pa "), "{}", stdout(&different));
+    let exported = program::conserva(&home, &["export", "mm-N-t", "--format", "xdmf"]).output().unwrap();
+    assert_eq!(exported.status.code(), Some(0), "{}", stderr(&exported));
+    let list = std::fs::read_to_string(out.join("fields.xdmf")).unwrap();
+    let of_stress = list.split("Attribute Name=\"stress\"").nth(1).unwrap();
+    assert!(of_stress.split("</Attribute>").next().unwrap().contains("<Information Name=\"units\" Value=\"MPa\"/>"), "{list}");
     let info = program::conserva(&home, &["info", "mm-N-t"]).output().unwrap();
     assert!(stdout(&info).contains("stress=MPa"), "{}", stdout(&info));
+}
+
+/// Results name their unit or their dimension, in files of a run and of a study; what is no unit is refused.
+#[test]
+fn results_say_their_units() {
+    let script = |unit: &str| {
+        format!(
+            "units(\"mm-N-t\");\nlet f = param(\"f\", 1.0);\nresult(\"peak\", 2.5 * f, \"{unit}\");\n\
+             result(\"force\", f, \"force / length\");\n\
+             result(\"count\", 3);\nlet steel = neo_hookean(#{{ youngs_modulus: gpa(210), poisson_ratio: 0.3, density: kg_m3(7850) }});\n\
+             let m = model(\"m\");\nm.add_body(\"b\", rectangle(#{{ size: [1.0, 1.0], cells: [2, 2] }}), steel);\n\
+             let sim = simulate(m, #{{ integrator: energy_momentum(), dt: 1e-6 }});\nsim.step(2);"
+        )
+    };
+    let home = folder("results", &script("MPa"));
+    let output = program::conserva(&home, &["run", "main.rhai", "--out", "run"]).output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let summary = std::fs::read_to_string(home.join("run/summary.json")).unwrap();
+    let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
+    assert_eq!(summary["result_units"], serde_json::json!({ "peak": "MPa", "force": "N/mm" }));
+    assert!(std::fs::read_to_string(home.join("run/report.html")).unwrap().contains("2.5 MPa"));
+    let arguments = ["sweep", "main.rhai", "--vary", "f=1,2,4", "--out", "study"];
+    let output = program::conserva(&home, &arguments).output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert!(format!("{}{}", stdout(&output), stderr(&output)).contains("peak [MPa]"), "{}{}", stdout(&output), stderr(&output));
+    let text = |name: &str| String::from_utf8_lossy(&std::fs::read(home.join("study").join(name)).unwrap()).into_owned();
+    assert!(text("study.html").contains(">peak [MPa]<") && text("study.html").contains(">force [N/mm]<"));
+    assert!(text("pictures/peak_over_f.svg").contains("peak [MPa]"));
+    assert!(text("table.csv").starts_with("index,id,f,peak,force,count,"));
+    let units: serde_json::Value = serde_json::from_str(&text("units.json")).unwrap();
+    assert_eq!(units["columns"], serde_json::json!({ "peak": "MPa", "force": "N/mm", "wall_seconds": "s" }));
+    assert!(text("table.parquet").contains("\"peak\":\"MPa\""));
+    let wrong = folder("wrong result", &script("MPx"));
+    let output = program::conserva(&wrong, &["run", "main.rhai", "--out", "run"]).output().unwrap();
+    assert!(stderr(&output).contains("C1077") && stderr(&output).contains("did you mean"), "{}", stderr(&output));
 }
 
 #[test]

@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 use super::columns::{aligned, short, visible};
 use super::complaint::refuse;
 use super::console::Console;
-use crate::output::{Comparison, Exactness, compare};
+use crate::output::{Comparison, Exactness, compare, pretty_unit};
 
 /// Arguments of `conserva diff`.
 #[derive(Args)]
@@ -102,11 +102,16 @@ fn told(found: &Comparison) -> Vec<String> {
     }
     lines.extend(found.missing.iter().cloned());
     let size = |value: Option<f64>| value.map_or("-".into(), short);
+    let with_unit = |text: String, unit: Option<&String>| unit.map_or(text.clone(), |unit| format!("{text} {}", pretty_unit(unit)));
+    let of_column = |name: &str| found.units.as_ref().and_then(|units| units.columns.get(name));
+    let of_field = |name: &str| found.units.as_ref().and_then(|units| units.fields.get(name));
+    let moment = |time: f64| with_unit(short(time), of_column("time"));
     if !found.columns.is_empty() {
         let mut rows = vec![["column", "from step", "t", "rows", "largest difference", "relative", "at step"].map(String::from).to_vec()];
         rows.extend(found.columns.iter().map(|column| {
             let (from, count, at) = (column.from_step.to_string(), column.rows.to_string(), column.at_step.to_string());
-            vec![column.column.clone(), from, short(column.from_time), count, size(column.largest), size(column.relative), at]
+            let largest = with_unit(size(column.largest), of_column(&column.column));
+            vec![column.column.clone(), from, moment(column.from_time), count, largest, size(column.relative), at]
         }));
         lines.extend(aligned(&rows));
     }
@@ -114,9 +119,9 @@ fn told(found: &Comparison) -> Vec<String> {
         let head = ["field", "of", "from t", "frames", "largest difference", "relative", "at t", "at", "places"];
         let mut rows = vec![head.map(String::from).to_vec()];
         rows.extend(found.fields.iter().map(|field| {
-            let (from, frames, at_time) = (short(field.from_time), field.frames.to_string(), short(field.at_time));
+            let (from, frames, at_time) = (moment(field.from_time), field.frames.to_string(), moment(field.at_time));
             let (at, places) = (field.at.to_string(), field.places.to_string());
-            let (largest, relative) = (size(field.largest), size(field.relative));
+            let (largest, relative) = (with_unit(size(field.largest), of_field(&field.field)), size(field.relative));
             vec![field.field.clone(), field.series.into(), from, frames, largest, relative, at_time, at, places]
         }));
         lines.extend(aligned(&rows));

@@ -29,11 +29,21 @@ use crate::integrators::Derivative;
 /// Tangent of the angle increment of a step below which its functions are summed as series of seven terms, accurate to round-off.
 const SMALL_TURN: f64 = 0.05;
 
+/// Kind of a joint coordinate, which follows from functions that are quadratic in points and directions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CoordinateKind {
+    /// Angle with two functions, cosine and sine.
+    Angle,
+    /// Displacement with one function, itself.
+    Travel,
+    /// Distance with one function, its square.
+    Distance,
+}
+
 /// Joint coordinate of a gear.
 #[derive(Clone, Debug)]
 struct Term {
-    /// True for an angle (two functions, cosine and sine), false for a displacement (one function).
-    is_angle: bool,
+    kind: CoordinateKind,
     /// Index of the first function.
     first: usize,
     /// Coefficient `a_i`: a length for an angle, a number for a displacement.
@@ -44,8 +54,12 @@ struct Term {
 }
 
 impl Term {
+    fn is_angle(&self) -> bool {
+        self.kind == CoordinateKind::Angle
+    }
+
     fn rows(&self) -> std::ops::Range<usize> {
-        self.first..self.first + if self.is_angle { 2 } else { 1 }
+        self.first..self.first + if self.is_angle() { 2 } else { 1 }
     }
 }
 
@@ -98,13 +112,13 @@ pub struct Geared {
 }
 
 impl Geared {
-    /// Gear between coordinates that are functions of one group of `inner`: pairs of a flag (true: angle, by cosine and sine; false:
-    /// displacement) and its coefficient. `size` is the size of the joined parts `[length]`.
-    pub fn new(inner: PointConstraints, dimension: usize, coordinates: Vec<(bool, f64)>, size: f64) -> Self {
+    /// Gear between coordinates that are functions of one group of `inner`: their kinds and coefficients. `size` is the size of the joined
+    /// parts `[length]`.
+    pub fn new(inner: PointConstraints, dimension: usize, coordinates: Vec<(CoordinateKind, f64)>, size: f64) -> Self {
         let mut terms: Vec<Term> = Vec::new();
-        for (is_angle, factor) in coordinates {
+        for (kind, factor) in coordinates {
             let first = terms.last().map_or(0, |term| term.rows().end);
-            terms.push(Term { is_angle, first, factor, turns: 0.0, rest: 0.0 });
+            terms.push(Term { kind, first, factor, turns: 0.0, rest: 0.0 });
         }
         let surface = || if dimension == 2 { Surface::new(&[]) } else { Surface::in_space(std::iter::empty()) };
         let mut sides = Sides::of(surface(), surface(), &[]);
@@ -114,10 +128,11 @@ impl Geared {
 
     /// Constraint function for the values `z`.
     fn value(&self, z: &[f64]) -> f64 {
-        let rest = |term: &Term| match (term.is_angle, self.z_0.is_empty()) {
-            (false, _) => z[term.first],
-            (true, true) => z[term.first + 1].atan2(z[term.first]),
-            (true, false) => term.rest + turned(pair(&self.z_0, term), pair(z, term)),
+        let rest = |term: &Term| match (term.kind, self.z_0.is_empty()) {
+            (CoordinateKind::Travel, _) => z[term.first],
+            (CoordinateKind::Distance, _) => z[term.first].sqrt(),
+            (CoordinateKind::Angle, true) => z[term.first + 1].atan2(z[term.first]),
+            (CoordinateKind::Angle, false) => term.rest + turned(pair(&self.z_0, term), pair(z, term)),
         };
         let sum = |of: &dyn Fn(&Term) -> f64| self.terms.iter().map(|term| term.factor * of(term)).sum::<f64>();
         // Whole turns are summed separately to preserve the digits of the remaining angle.
@@ -127,9 +142,10 @@ impl Geared {
     /// Change of the constraint function from `q_0` to `q_1`, without whole turns: accurate relative to the change of the coordinates.
     pub fn change(&self, q_0: &[f64], q_1: &[f64]) -> f64 {
         let [z_0, z_1] = [q_0, q_1].map(|q| self.inner.gap(q));
-        let of = |term: &Term| match term.is_angle {
-            true => turned(pair(&z_0, term), pair(&z_1, term)),
-            false => z_1[term.first] - z_0[term.first],
+        let of = |term: &Term| match (term.kind, z_0[term.first], z_1[term.first]) {
+            (CoordinateKind::Angle, ..) => turned(pair(&z_0, term), pair(&z_1, term)),
+            (CoordinateKind::Travel, before, after) => after - before,
+            (CoordinateKind::Distance, before, after) => (after - before) / (after.sqrt() + before.sqrt()),
         };
         self.terms.iter().map(|term| term.factor * of(term)).sum()
     }
@@ -137,8 +153,15 @@ impl Geared {
     /// Weight of each function in the gradient of a step that ends at `z`, and derivatives of the weight.
     fn weights(&self, is_mean: bool, z: &[f64]) -> Vec<(f64, [f64; 2])> {
         let of = |term: &Term| -> Vec<(f64, [f64; 2])> {
-            if !term.is_angle {
+            if term.kind == CoordinateKind::Travel {
                 return vec![(term.factor, [0.0; 2])];
+            }
+            if term.kind == CoordinateKind::Distance {
+                // (s_1 - s_0) / (s_1^2 - s_0^2), at one place 1 / (2 s).
+                let after = z[term.first].sqrt();
+                let by = 1.0 / (after + if is_mean { self.z_0[term.first].sqrt() } else { after });
+                let slope = if is_mean { -0.5 * by * by / after } else { -by * by / after };
+                return vec![(term.factor * by, [term.factor * slope, 0.0])];
             }
             let (w, slope) = if is_mean { gradient_between(pair(&self.z_0, term), pair(z, term)) } else { gradient_at(pair(z, term)) };
             w.into_iter().zip(slope).map(|(w, slope)| (term.factor * w, slope.map(|s| term.factor * s))).collect()
@@ -169,7 +192,7 @@ impl PatchFunctions for Geared {
     fn begin_step(&mut self, q_0: &[f64]) {
         self.inner.begin_step(q_0);
         let z_0 = self.inner.start_gap();
-        for term in self.terms.iter_mut().filter(|term| term.is_angle) {
+        for term in self.terms.iter_mut().filter(|term| term.is_angle()) {
             let [x, y] = pair(&z_0, term);
             let (rest, before) = (y.atan2(x), term.rest);
             (term.turns, term.rest) = (term.turns + ((before - rest) / TAU).round(), rest);
@@ -204,7 +227,7 @@ impl PatchFunctions for Geared {
                 out.gradient_end[k] += by_end * inner.gradient_end[entry];
             }
         }
-        for term in self.terms.iter().filter(|term| term.is_angle) {
+        for term in self.terms.iter().filter(|term| term.kind != CoordinateKind::Travel) {
             for row in term.rows() {
                 for (l, slope) in term.rows().zip(tested[row].1) {
                     for (i, force) in inner.gradient_bar[block(row)].iter().enumerate() {
@@ -238,7 +261,7 @@ impl CandidateSearch for Geared {
 impl RigidObstacle for Geared {
     fn count_from(&mut self, coordinates: [f64; 2]) {
         for (term, value) in self.terms.iter_mut().zip(coordinates) {
-            if term.is_angle {
+            if term.is_angle() {
                 term.turns = (value / TAU).round();
                 term.rest = value - TAU * term.turns;
             }
@@ -269,7 +292,7 @@ mod tests {
         let product = |a: usize, b: usize| PointFunction { products: vec![(a, b, 1.0)], ..PointFunction::default() };
         let mut inner = PointConstraints::new(2, 1.0);
         inner.add(vectors, vec![product(0, 1), product(0, 2), product(3, 2)], None, true);
-        Geared::new(inner, 2, vec![(true, 0.7), (false, -1.3)], 1.0)
+        Geared::new(inner, 2, vec![(CoordinateKind::Angle, 0.7), (CoordinateKind::Travel, -1.3)], 1.0)
     }
 
     #[test]

@@ -11,6 +11,7 @@
 
 mod averaged;
 mod averaged_overlap;
+mod ball_slip;
 mod bends;
 mod chain;
 mod checks;
@@ -66,12 +67,13 @@ mod tips;
 mod window;
 
 pub use averaged::{AVERAGED_MORTAR, AveragedMortar};
+pub use ball_slip::BallSlip;
 pub use checks::{Finding, NamedSurface, check_surfaces, facing_away, looks_away};
 pub use clearance::{Clearance, Nearest};
 pub use exact::ExactShape;
 pub use facet_shape::FacetShape;
 pub use friction::{Coulomb, FrictionCurve, FrictionLaw, Limit, ROUGH, SlipState};
-pub use geared::Geared;
+pub use geared::{CoordinateKind, Geared};
 pub use joint_slip::JointSlip;
 pub use kernel::{CandidateSearch, ContactKernel, Correction, PatchFunctions, RigidObstacle, TangentSink};
 pub use method::{ContactMethod, MakeKernel};

@@ -46,6 +46,7 @@ pub use run::halvings::Halving;
 pub use run::harmonic::{Excitation, HarmonicError, HarmonicOptions, HarmonicResponse};
 pub use run::ledger::{ContactTotals, JointTotals, LedgerRow, PartTotals, ProbeValues, Reaction};
 pub use run::modes::{Mode, Modes, ModesError};
+pub use run::node_fields::{NODE_FIELDS, NodeField, NodeValue};
 pub use run::options::{Options, SettleReport, Statistics};
 pub use run::pace::StepControl;
 pub use run::paths::{CriticalKind, CriticalPoint, Path, PathEnd, PathError, PathOptions, PathPoint};

@@ -38,7 +38,7 @@ impl MeshError {
             MeshError::Extruded { .. } => "C0229",
             MeshError::SweptOver { .. } => "C0230",
             MeshError::PathPoints { .. } => "C0231",
-            MeshError::PathStands { .. } => "C0232",
+            MeshError::CoincidentPathPoints { .. } => "C0232",
             MeshError::PathTurns { .. } => "C0233",
             MeshError::ClosedChange => "C0234",
             MeshError::Lofted { .. } => "C0235",

@@ -265,7 +265,7 @@ pub enum MeshError {
     },
     /// Two coincident consecutive points of a path.
     #[error("the points {point} and {} of the path are at the same place, {}", point + 1, spot(.at))]
-    PathStands {
+    CoincidentPathPoints {
         /// Number of the first of the two points, from 1.
         point: usize,
         /// Common position of the two points `[length]`.

@@ -36,7 +36,7 @@ pub(super) fn frames(path: &[Vector]) -> Result<(Vec<Frame>, bool), MeshError> {
         return Err(MeshError::PathPoints { count: path.len(), least });
     }
     if let Some(first) = path.windows(2).position(|pair| is_same(pair[0], pair[1])) {
-        return Err(MeshError::PathStands { point: first + 1, at: path[first] });
+        return Err(MeshError::CoincidentPathPoints { point: first + 1, at: path[first] });
     }
     let points = &path[..path.len() - usize::from(is_closed)];
     let tangents = tangents(points, is_closed)?;

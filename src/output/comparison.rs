@@ -18,7 +18,7 @@ use super::reading::frames::read_frames;
 use super::reading::table::read_table;
 use super::summary::{COMPLETED, NOT_CONSERVING};
 use super::table::{Column, Table};
-use super::units::{Scale, Unit, read_units};
+use super::units::{ListedUnits, Scale, Unit, read_units};
 use crate::math::tolerances::SAME_MOMENT;
 
 /// Tolerance of a comparison, and the columns and fields that are left out.
@@ -128,6 +128,9 @@ pub struct Comparison {
     pub fields_compared: usize,
     /// Fields that differ.
     pub fields: Vec<FieldDifference>,
+    /// Units of the differences: those of the first run; `None` where it declares none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub units: Option<ListedUnits>,
 }
 
 impl Comparison {
@@ -206,6 +209,7 @@ fn compare_simulations(runs: &[RunFolder; 2], exactness: &Exactness) -> Result<C
         [Some(first), Some(second)] => ratio(second.units.get("time"), first.units.get("time")),
         _ => None,
     };
+    found.units.clone_from(&units[0]);
     if let [first, second] = declared
         && first != second
     {

@@ -40,6 +40,7 @@ mod report;
 mod response;
 mod rows_csv;
 mod run_lock;
+mod still_fields;
 mod study_page;
 mod summary;
 mod table;
@@ -72,7 +73,7 @@ pub use obstacles::Surroundings;
 #[cfg(feature = "formats")]
 pub use parquet::{Field as TableField, parquet, parquet_in_units, parquet_of};
 pub use picture::{
-    Component, CutPlane, Field, Measure, Panel, PictureBounds, PictureOptions, VIEWS, Vectors, View, picture, picture_of_boundaries, sight,
+    CutPlane, Field, Measure, Panel, PictureBounds, PictureOptions, VIEWS, Vectors, View, picture, picture_of_boundaries, sight,
 };
 pub use plot::{Curve, CurveStyle, Plot, PlotAxis};
 pub use point_log::{PointLog, decoded, encoded};
@@ -93,6 +94,7 @@ pub use report::{
 pub use response::Response;
 pub use rows_csv::{RowsCsv, read_rows, rows_csv};
 pub use run_lock::RunLock;
+pub use still_fields::StillOptions;
 pub use study_page::study_page;
 pub use summary::{
     COMPLETED, Drifts, EnergyChange, FindingRecord, Inertia, KEYS, NOT_CONSERVING, SUMMARY, Summary, WallSeconds, drifts, peak_memory_bytes,

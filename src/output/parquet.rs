@@ -65,12 +65,12 @@ pub fn parquet_in_units(table: &Table, units: &BTreeMap<String, String>) -> std:
     encoded(&table.columns.iter().map(Field::Numbers).collect::<Vec<_>>(), units)
 }
 
-/// Encodes columns of equal length.
+/// Encodes columns of equal length with their units, as [`parquet_in_units`].
 ///
 /// # Errors
 /// As [`parquet()`].
-pub fn parquet_of(fields: &[Field]) -> std::result::Result<Vec<u8>, String> {
-    encoded(fields, &BTreeMap::new())
+pub fn parquet_of(fields: &[Field], units: &BTreeMap<String, String>) -> std::result::Result<Vec<u8>, String> {
+    encoded(fields, units)
 }
 
 fn encoded(fields: &[Field], units: &BTreeMap<String, String>) -> std::result::Result<Vec<u8>, String> {

@@ -2,9 +2,9 @@
 //!
 //! At first, a *still* of every nominal step is kept; when there are more than allowed, every second one is dropped and the spacing
 //! doubles. The stills thus depend only on the steps, not on the clock, and memory is bounded. A still holds displacement, velocity and
-//! stress of all visible nodes (in space those of the hull, optionally also inner ones), and the plastic strain of bodies with plasticity,
-//! as 16-bit numbers between the extremes of each component: an error of 1/131072 of the range. A simulation cannot be continued from a
-//! still.
+//! stress of all visible nodes (in space those of the hull, optionally also inner ones), the plastic strain of bodies with plasticity, and
+//! the quantities for which a script asks ([`FURTHER`]), as 16-bit numbers between the extremes of each component: an error of 1/131072 of
+//! the range. A simulation cannot be continued from a still.
 //!
 //! Bytes of a still, body after body, little-endian: for each component its two extremes as f32; the high bytes of all components, then
 //! their low bytes, each value as the difference from the node before; the number of contact nodes (u32), their places among the nodes of
@@ -18,6 +18,7 @@ use serde::de::Visitor;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::picture::{Field, Vectors};
+use super::still_fields::{FURTHER, Further, Rank, StillOptions};
 use crate::contact::Obstacle;
 use crate::dynamics::{BodyDefinition, BodyFields, Model, Partner, PlacedObstacle, Simulation};
 use crate::mesh::Mesh;
@@ -55,19 +56,21 @@ pub struct Skin {
     pub dimension: usize,
     /// True of a body whose material flows plastically: its plastic strain is recorded.
     pub flows: bool,
+    /// Further quantities that are recorded, as ascending indices into [`FURTHER`].
+    further: Vec<usize>,
 }
 
 impl Skin {
-    fn new(mesh: &Mesh, flows: bool, has_inside: bool) -> Self {
+    fn new(mesh: &Mesh, flows: bool, options: &StillOptions) -> Self {
         let dimension = mesh.dimension();
-        let mut nodes: Vec<u32> = if dimension == 2 || has_inside {
+        let mut nodes: Vec<u32> = if dimension == 2 || options.has_inside {
             (0..mesh.points.len() as u32).collect()
         } else {
             mesh.hull().into_iter().flat_map(|facet| mesh.facet_nodes(facet).collect::<Vec<_>>()).collect()
         };
         nodes.sort_unstable();
         nodes.dedup();
-        Skin { nodes, dimension, flows }
+        Skin { nodes, dimension, flows, further: options.further() }
     }
 
     /// Components of the stress in a body of this dimension, as indices into [`BodyFields::stress`].
@@ -75,9 +78,45 @@ impl Skin {
         if self.dimension == 2 { &[0, 1, 2, 3] } else { &[0, 1, 2, 3, 4, 5] }
     }
 
+    /// Further quantities that are recorded.
+    fn further(&self) -> impl Iterator<Item = &'static Further> + '_ {
+        self.further.iter().filter_map(|&index| FURTHER.get(index))
+    }
+
+    /// Names of the further quantities and the numbers of their components, in the order of the bytes.
+    pub fn further_names(&self) -> Vec<(&'static str, usize)> {
+        self.further().map(|further| (further.name, self.rank(further))).collect()
+    }
+
+    fn rank(&self, further: &Further) -> usize {
+        match further.rank {
+            Rank::Number => 1,
+            Rank::Vector => self.dimension,
+            Rank::Tensor => self.stresses().len(),
+        }
+    }
+
+    /// Number of recorded components per node of every recording.
+    fn basic_components(&self) -> usize {
+        2 * self.dimension + self.stresses().len() + usize::from(self.flows)
+    }
+
     /// Number of recorded components per node.
     fn components(&self) -> usize {
-        2 * self.dimension + self.stresses().len() + usize::from(self.flows)
+        self.basic_components() + self.further().map(|further| self.rank(further)).sum::<usize>()
+    }
+
+    /// Further quantity of a component, and the component of that quantity.
+    fn further_at(&self, component: usize) -> Option<(&'static Further, usize)> {
+        let mut left = component.checked_sub(self.basic_components())?;
+        for further in self.further() {
+            match left.checked_sub(self.rank(further)) {
+                Some(rest) => left = rest,
+                // Tensors in the plane have the first components of those in space.
+                None => return Some((further, left)),
+            }
+        }
+        None
     }
 }
 
@@ -90,7 +129,7 @@ pub struct Still {
     steps: usize,
     /// Time `[time]`.
     pub time: f64,
-    /// Least and greatest value of each field of [`Field::ALL`] at the recorded nodes.
+    /// Least and greatest value of each field of [`Field::BASIC`] at the recorded nodes.
     pub extremes: Vec<[f64; 2]>,
     /// Longest vector of contact pressure `[stress]`.
     pub pressing: f64,
@@ -155,12 +194,11 @@ pub fn shapes(model: &Model) -> Vec<Obstacle> {
 }
 
 impl Recording {
-    /// Returns an empty recording of a model with at most `most` stills (at least 2); by default 160, or fewer if memory would be exceeded.
-    /// With `has_inside`, all nodes of bodies in space are recorded, not only those of the hull.
-    pub fn new(model: &Model, most: Option<usize>, has_inside: bool) -> Self {
-        let bodies: Vec<Skin> = model.bodies.iter().map(|body| Skin::new(&body.mesh, body.flows(), has_inside)).collect();
+    /// Returns an empty recording of a model.
+    pub fn new(model: &Model, options: &StillOptions) -> Self {
+        let bodies: Vec<Skin> = model.bodies.iter().map(|body| Skin::new(&body.mesh, body.flows(), options)).collect();
         let size: usize = bodies.iter().map(|skin| 2 * skin.components() * skin.nodes.len()).sum();
-        let most = most.unwrap_or_else(|| (BYTES / size.max(1)).clamp(FEWEST, STILLS)).max(2);
+        let most = options.most.unwrap_or_else(|| (BYTES / size.max(1)).clamp(FEWEST, STILLS)).max(2);
         Recording { most, spacing: 1, steps: 0, stills: Vec::new(), bodies }
     }
 
@@ -174,7 +212,7 @@ impl Recording {
     pub fn goes_on_with(&self, other: &Recording, rows: usize, shapes: usize) -> bool {
         let is_whole = |still: &Arc<Still>| {
             still.is_of(&self.bodies)
-                && still.extremes.len() == Field::ALL.len()
+                && still.extremes.len() == Field::BASIC.len()
                 && still.row < rows
                 && still.obstacles.iter().all(|(shape, _)| *shape < shapes)
         };
@@ -237,7 +275,7 @@ impl Recording {
 
     fn packed(&self, bodies: &[BodyFields], obstacles: Vec<(usize, [f64; 3])>) -> Still {
         let mut bytes = Vec::new();
-        let mut extremes = vec![[f64::INFINITY, f64::NEG_INFINITY]; Field::ALL.len()];
+        let mut extremes = vec![[f64::INFINITY, f64::NEG_INFINITY]; Field::BASIC.len()];
         let mut pressing: f64 = 0.0;
         for (body, skin) in bodies.iter().zip(&self.bodies) {
             pack_into(&mut bytes, body, skin);
@@ -263,9 +301,9 @@ fn shapes_of(placed: &[PlacedObstacle]) -> Vec<(usize, [f64; 3])> {
     placed.iter().map(|obstacle| (number(&obstacle.shape), obstacle.translation)).collect()
 }
 
-/// Returns minimum and maximum of each field of [`Field::ALL`]. Magnitudes are compared by their squares, since this runs at most steps.
+/// Returns minimum and maximum of each field of [`Field::BASIC`]. Magnitudes are compared by their squares, since this runs at most steps.
 fn extremes_of(body: &BodyFields, skin: &Skin) -> Vec<[f64; 2]> {
-    let mut all = [[f64::INFINITY, f64::NEG_INFINITY]; Field::ALL.len()];
+    let mut all = [[f64::INFINITY, f64::NEG_INFINITY]; Field::BASIC.len()];
     for node in skin.nodes.iter().map(|&node| node as usize) {
         let [xx, yy, zz, xy, yz, xz] = body.stress[node];
         let normal = (xx - yy).powi(2) + (yy - zz).powi(2) + (zz - xx).powi(2);
@@ -293,7 +331,11 @@ fn pack_into(bytes: &mut Vec<u8>, body: &BodyFields, skin: &Skin) {
     let value = |component: usize, node: usize| match component {
         c if c < dimension => body.displacement[node][c],
         c if c < 2 * dimension => body.velocity[node][c - dimension],
-        c => skin.stresses().get(c - 2 * dimension).map_or(body.plastic_strain[node], |&stress| body.stress[node][stress]),
+        c => match (skin.stresses().get(c - 2 * dimension), skin.further_at(c)) {
+            (Some(&stress), _) => body.stress[node][stress],
+            (None, None) => body.plastic_strain[node],
+            (None, Some((further, component))) => (further.value)(body, node, component),
+        },
     };
     let count = skin.components() * skin.nodes.len();
     bytes.reserve(8 * skin.components() + 2 * count);
@@ -370,9 +412,10 @@ fn unpack(rest: &mut &[u8], body: &BodyDefinition, skin: &Skin) -> BodyFields {
         let mut put = |node: usize, value: f64| match component {
             c if c < dimension => fields.displacement[node][c] = value,
             c if c < 2 * dimension => fields.velocity[node][c - dimension] = value,
-            c => match skin.stresses().get(c - 2 * dimension) {
-                Some(&stress) => fields.stress[node][stress] = value,
-                None => fields.plastic_strain[node] = value,
+            c => match (skin.stresses().get(c - 2 * dimension), skin.further_at(c)) {
+                (Some(&stress), _) => fields.stress[node][stress] = value,
+                (None, None) => fields.plastic_strain[node] = value,
+                (None, Some((further, component))) => *(further.component)(&mut fields, node, component) = value,
             },
         };
         for (place, &node) in skin.nodes.iter().enumerate() {
@@ -392,18 +435,17 @@ fn unpack(rest: &mut &[u8], body: &BodyDefinition, skin: &Skin) -> BodyFields {
         fields.contact_slip[node] = (word >> SLIP) as f64;
         fields.contact_pressure[node] = number(take(4));
         for component in 0..dimension {
-            // Only the direction of the pressure is recorded, not the force.
+            // The direction of the pressure; forces are recorded on request only.
             fields.contact_pressing[node][component] = number(take(4));
         }
-        fields.contact_force[node] = fields.contact_pressing[node];
         fields.contact_active[node] = 1.0;
     }
     fields
 }
 
 impl Still {
-    /// Returns the recorded bodies; strains, back stresses and gaps are not recorded, and inner nodes of bodies in space have the values of
-    /// a node of the hull.
+    /// Returns the recorded bodies; gaps, and further quantities without a request, are not recorded, and inner nodes of bodies in space
+    /// have the values of a node of the hull.
     pub fn fields(&self, bodies: &[BodyDefinition], skins: &[Skin]) -> Vec<BodyFields> {
         let mut rest = self.bytes();
         bodies.iter().zip(skins).map(|(body, skin)| unpack(&mut rest, body, skin)).collect()
@@ -446,13 +488,17 @@ mod tests {
     use crate::dynamics::LocalFrame;
 
     fn skin(body: &BodyFields) -> Skin {
-        Skin::new(&body.mesh, body.flows, false)
+        let fields = ["strain_xy", "energy_density", "acceleration"].map(|name| Field::from_name(name).unwrap());
+        Skin::new(&body.mesh, body.flows, &StillOptions { fields: fields.to_vec(), ..StillOptions::default() })
     }
 
     #[test]
     fn what_is_packed_comes_back_to_the_last_of_65535_parts() {
         let flowing = |fields: BodyFields| BodyFields {
             flows: true,
+            strain: fields.stress.iter().map(|stress| stress.map(|component| 1e-4 * component)).collect(),
+            energy_density: fields.displacement.iter().map(|u| u[1].powi(2)).collect(),
+            acceleration: fields.velocity.iter().map(|v| v.map(|component| 3.0 * component)).collect(),
             plastic_strain: fields.displacement.iter().map(|u| u[0].abs()).collect(),
             ..fields
         };
@@ -474,6 +520,11 @@ mod tests {
                 for &i in skin.stresses() {
                     assert!((back.stress[node][i] - fields.stress[node][i]).abs() < 0.1, "of thousands");
                 }
+                for &i in skin.stresses() {
+                    assert!((back.strain[node][i] - fields.strain[node][i]).abs() < 1e-5, "of tenths");
+                }
+                assert!((0..3).all(|i| (back.acceleration[node][i] - fields.acceleration[node][i]).abs() < 1e-3));
+                assert!((back.energy_density[node] - fields.energy_density[node]).abs() < 1e-4);
                 assert!((back.plastic_strain[node] - fields.plastic_strain[node]).abs() < 1e-4);
                 assert!((back.contact_pressure[node] - fields.contact_pressure[node]).abs() < 1e-6);
                 assert_eq!(back.contact_slip[node], fields.contact_slip[node]);
@@ -485,7 +536,8 @@ mod tests {
     fn extremes_are_those_of_the_fields() {
         for body in [ring("ring", [1.0, 1.5], [3, 20]), block([2, 3, 4], [1.0, 2.0, 3.0])] {
             let skin = skin(&body);
-            for ((name, _, field), [low, high]) in Field::ALL.iter().zip(extremes_of(&body, &skin)) {
+            for (name, [low, high]) in Field::BASIC.iter().zip(extremes_of(&body, &skin)) {
+                let field = Field::from_name(name).unwrap();
                 let values = || skin.nodes.iter().map(|&node| field.value(&body, node as usize, &LocalFrame::default()));
                 let scale = values().fold(1.0, |scale: f64, value| scale.max(value.abs()));
                 assert!((values().fold(f64::INFINITY, f64::min) - low).abs() <= 1e-12 * scale, "{name}");

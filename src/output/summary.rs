@@ -28,6 +28,9 @@ pub struct Summary {
     /// Results of the script from `result(...)`, in the order of the calls.
     #[serde(serialize_with = "in_order")]
     pub results: Vec<(String, serde_json::Value)>,
+    /// Units of the results that have one, by name.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub result_units: BTreeMap<String, String>,
     /// Version of the program.
     pub version: String,
     /// Units of mass, length, time, force, stress and energy; `None` where the script declares none.
@@ -78,6 +81,7 @@ pub const KEYS: &[(&str, &str)] = &[
     ("script", "the path of the script"),
     ("parameters", "the values of `param(...)` by name"),
     ("results", "what the script yields with `result(...)` by name; numbers that are not finite are the texts `NaN`, `inf` and `-inf`"),
+    ("result_units", "an object: the units of the results for which `result` was given one"),
     ("version", "the version of the program"),
     ("units", "an object: the units of mass, length, time, force, stress and energy, where the script has declared them"),
     ("bodies", "the number of bodies"),

@@ -6,12 +6,15 @@
 
 use std::fmt::Write as _;
 
-use hdf5_pure::FileBuilder;
+use hdf5_pure::{AttrValue, FileBuilder};
 
 use crate::elements::CellKind;
 
 use super::markup::escaped;
 use super::reading::fields::{ArrayRead, FieldsRead, Numbers, Section};
+
+/// Name of the unit of an array in both files.
+const UNITS: &str = "units";
 
 /// VTK's number of a polyline.
 const POLYLINE: u8 = 3;
@@ -63,6 +66,9 @@ pub fn hdf5(frame: &FieldsRead) -> Result<Vec<u8>, String> {
     for array in frame.arrays.iter().filter(|array| array.section != Section::Cells) {
         let shape = shape_of(array);
         let dataset = file.create_dataset(&dataset_of(array));
+        if !array.unit.is_empty() {
+            dataset.set_attr(UNITS, AttrValue::String(array.unit.clone()));
+        }
         match &array.numbers {
             Numbers::Reals(values) if array.components == 6 => dataset.with_f64_data(&as_tensors(values)).with_shape(&shape),
             Numbers::Reals(values) => dataset.with_f64_data(values).with_shape(&shape),
@@ -117,8 +123,10 @@ pub fn grid(frame: &FieldsRead, time: f64, file: &str) -> Result<String, String>
     for array in frame.arrays.iter().filter(|array| array.section != Section::Cells) {
         let kind = if matches!(array.numbers, Numbers::Reals(_)) { "Float" } else { "Int" };
         let data = item(kind, &shape_of(array), &dataset_of(array));
+        let told = |unit: &str| format!("<Information Name=\"{UNITS}\" Value=\"{}\"/>\n          ", escaped(unit));
+        let unit = if array.unit.is_empty() { String::new() } else { told(&array.unit) };
         if array.section == Section::Points {
-            let _ = writeln!(text, "        <Geometry GeometryType=\"XYZ\">\n          {data}\n        </Geometry>");
+            let _ = writeln!(text, "        <Geometry GeometryType=\"XYZ\">\n          {unit}{data}\n        </Geometry>");
             continue;
         }
         let rank = match array.components {
@@ -130,7 +138,7 @@ pub fn grid(frame: &FieldsRead, time: f64, file: &str) -> Result<String, String>
         let center = if array.section == Section::CellData { "Cell" } else { "Node" };
         let _ = writeln!(
             text,
-            "        <Attribute Name=\"{}\" AttributeType=\"{rank}\" Center=\"{center}\">\n          {data}\n        </Attribute>",
+            "        <Attribute Name=\"{}\" AttributeType=\"{rank}\" Center=\"{center}\">\n          {unit}{data}\n        </Attribute>",
             array.name
         );
     }

@@ -10,7 +10,7 @@ use super::table::StudyTable;
 use crate::output::{OutputError, svg};
 use crate::script::Diagnostic;
 
-/// Writes `table.csv`, `table.parquet`, `pictures/` and `study.html` from the present points.
+/// Writes `table.csv`, `units.json`, `table.parquet`, `pictures/` and `study.html` from the present points.
 ///
 /// # Errors
 /// A file that cannot be written.
@@ -21,6 +21,7 @@ pub fn collect(study: &StudyFolder, plan: &Plan) -> Result<Collected, Box<Diagno
     let pictures = pictures(&table);
     let collected = Collected { table, states, remarks };
     study.write("table.csv", &collected.table.to_csv())?;
+    study.write("units.json", collected.table.units_json().as_bytes())?;
     match collected.table.to_parquet() {
         Ok(bytes) => drop(study.write("table.parquet", &bytes)?),
         Err(reason) => return Err(Box::new(super::values::refusal("the table cannot be written as Parquet").cause(reason))),

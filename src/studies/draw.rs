@@ -27,6 +27,8 @@ const WIDE: f64 = 30.0;
 /// A column of numbers by its name.
 struct Named<'a> {
     name: &'a str,
+    /// Name with the unit.
+    title: String,
     values: &'a [Option<f64>],
 }
 
@@ -39,7 +41,7 @@ pub fn pictures(table: &StudyTable) -> Vec<StudyPicture> {
     let mut all = Vec::new();
     for result in table.columns[table.results.clone()].iter() {
         let Some(values) = result.numbers().filter(|values| values.iter().flatten().any(|value| value.is_finite())) else { continue };
-        let result = Named { name: result.name(), values };
+        let result = Named { name: result.name(), title: table.titled(result), values };
         if let Some(&first) = axes.iter().max_by_key(|&&axis| (count_different(parameters[axis]), std::cmp::Reverse(axis))) {
             match family(&parameters, first, &result) {
                 Some(curves) => all.push(curve_picture(parameters[first], &result, curves)),
@@ -94,8 +96,11 @@ fn curve_picture(parameter: &StudyColumn, result: &Named, curves: Vec<Curve>) ->
     let title = format!("{} over {}", result.name, parameter.name());
     // Lines with markers, so that computed points are visible.
     let markers = curves.iter().map(|curve| Curve { style: CurveStyle::Points, label: String::new(), ..curve.clone() }).collect::<Vec<_>>();
-    let plot =
-        Plot { x: axis(parameter.name(), parameter.numbers().unwrap_or_default()), y: axis(result.name, result.values), ..Plot::default() };
+    let plot = Plot {
+        x: axis(parameter.name(), parameter.numbers().unwrap_or_default()),
+        y: axis(&result.title, result.values),
+        ..Plot::default()
+    };
     let is_few = curves.len() == 1;
     let plot = Plot { title: title.clone(), curves: if is_few { [curves, markers].concat() } else { curves }, ..plot };
     StudyPicture { name: file_name(&title), title, drawing: plot.draw() }
@@ -115,7 +120,7 @@ fn scatter(parameter: &StudyColumn, result: &Named) -> StudyPicture {
     let plot = Plot {
         title: title.clone(),
         x: axis(parameter.name(), xs),
-        y: axis(result.name, result.values),
+        y: axis(&result.title, result.values),
         curves: vec![curve],
         ..Plot::default()
     };
@@ -134,7 +139,8 @@ fn response(a: &StudyColumn, b: &StudyColumn, result: &Named) -> Option<StudyPic
         return None;
     }
     let title = format!("{} over {} and {}", result.name, a.name(), b.name());
-    let drawing = Response { title: title.clone(), x: axis(a.name(), xs), y: axis(b.name(), ys), label: result.name.into(), points }.draw();
+    let drawing =
+        Response { title: title.clone(), x: axis(a.name(), xs), y: axis(b.name(), ys), label: result.title.clone(), points }.draw();
     Some(StudyPicture { name: file_name(&title), title, drawing })
 }
 

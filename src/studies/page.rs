@@ -85,7 +85,10 @@ fn troubles(plan: &Plan, collected: &Collected) -> String {
 
 fn table(study: &StudyFolder, plan: &Plan, collected: &Collected) -> String {
     let shown: Vec<_> = collected.table.columns.iter().filter(|column| !HIDDEN.contains(&column.name())).collect();
-    let head: String = shown.iter().map(|column| format!("<th><button type=\"button\">{}</button></th>", escaped(column.name()))).collect();
+    let head: String = shown
+        .iter()
+        .map(|column| format!("<th><button type=\"button\">{}</button></th>", escaped(&collected.table.titled(column))))
+        .collect();
     let more = collected.table.rows().saturating_sub(ROWS);
     let note = if more > 0 { format!("<p>{more} further rows are in table.csv.</p>\n") } else { String::new() };
     let mut text = format!("<h2>Table</h2>\n{note}{WIDE}<table class=\"sorted\">\n<thead><tr>{head}</tr></thead>\n<tbody>\n");

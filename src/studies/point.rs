@@ -1,5 +1,6 @@
 //! One point of a study: a plain run of the script in a folder of its own.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::rc::Rc;
 use std::sync::atomic::Ordering;
@@ -104,7 +105,7 @@ fn run(
         interrupt: stop.clone(),
         ..Settings::default()
     };
-    let (report, scripts, results) = match Session::new(settings, home(script), transcript.clone()) {
+    let (report, scripts, results, units) = match Session::new(settings, home(script), transcript.clone()) {
         Ok(mut session) => {
             if let Some((checkpoint, aside)) = resumed {
                 let lock = RunLock::take(&folder).and_then(|lock| checkpoint::restore_files(&folder, &aside).map(|()| lock));
@@ -113,11 +114,13 @@ fn run(
                     .resume(&folder, checkpoint, lock)
                     .map_err(|error| unwritten(&OutputError::Write { path: folder.clone(), source: error }))?;
             }
-            (session.run_file(script), Some(session.digest()), session.results())
+            let report = session.run_file(script);
+            (report, Some(session.digest()), session.results(), session.result_units())
         }
-        Err(error) => (Report::failed(*error), None, Vec::new()),
+        Err(error) => (Report::failed(*error), None, Vec::new(), BTreeMap::new()),
     };
-    let results = results.into_iter().map(|(name, value)| PointResult { name, value }).collect();
+    let results =
+        results.into_iter().map(|(name, value)| PointResult { unit: units.get(&name).cloned().unwrap_or_default(), name, value }).collect();
     report.error.iter().for_each(|error| transcript.say(&error.render(Ink::Plain)));
     let is_late = watchdog.end();
     let seconds = begun.elapsed().as_secs_f64();

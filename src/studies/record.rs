@@ -52,6 +52,9 @@ pub struct PointResult {
     pub name: String,
     /// Number, text, `true` or `false`, or an array of these.
     pub value: Value,
+    /// Unit of the value; empty without one.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub unit: String,
 }
 
 /// Record of a computed point.

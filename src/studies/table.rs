@@ -1,11 +1,13 @@
 //! The table of a study: a row for each point, with its parameters, results and outcome.
 
+use std::collections::BTreeMap;
+
 use serde_json::Value;
 
 use super::folder::{PointState, StudyFolder};
 use super::plan::Plan;
 use super::record::{BALANCE, Record};
-use crate::output::{Column, TableField, TextColumn, csv_field, parquet_of};
+use crate::output::{Column, TableField, TextColumn, csv_field, parquet_of, pretty_unit};
 
 /// Column of numbers or texts.
 #[derive(Clone, Debug, PartialEq)]
@@ -64,6 +66,8 @@ pub struct StudyTable {
     pub parameters: std::ops::Range<usize>,
     /// Range of the columns of results.
     pub results: std::ops::Range<usize>,
+    /// Units of the columns that have one in all points, by name.
+    pub units: BTreeMap<String, String>,
 }
 
 /// Names of the columns other than parameters and results.
@@ -97,10 +101,14 @@ impl StudyTable {
             }
         }
         let results = columns.len()..columns.len() + names.len();
+        let mut units = BTreeMap::from([("wall_seconds".to_string(), "s".to_string())]);
         for name in names {
             let shown =
                 if plan.names.iter().any(|parameter| parameter == name) { format!("{name} (result)") } else { own_name(name, "result") };
             columns.push(result_column(&shown, records.iter().map(|record| value_of(record.as_ref(), name)).collect()));
+            if let Some(unit) = unit_of(records.iter().flatten(), name) {
+                units.insert(shown, unit);
+            }
         }
         let (outcomes, causes) = states.iter().map(told).unzip();
         columns.push(texts("outcome", outcomes));
@@ -116,7 +124,7 @@ impl StudyTable {
         columns.push(texts("scripts", words(&|record| record.scripts.clone())));
         columns.push(texts("command", plan.points.iter().map(|point| Some(plan.command(point))).collect()));
         columns.push(numbers("wall_seconds", false, of(&|record| Some(record.wall_seconds))));
-        StudyTable { columns, parameters, results }
+        StudyTable { columns, parameters, results, units }
     }
 
     /// Number of rows.
@@ -131,6 +139,18 @@ impl StudyTable {
     /// Returns the column with a name.
     pub fn column(&self, name: &str) -> Option<&StudyColumn> {
         self.columns.iter().find(|column| column.name() == name)
+    }
+
+    /// Name of a column with its unit in brackets, if it has one.
+    pub fn titled(&self, column: &StudyColumn) -> String {
+        let name = column.name();
+        self.units.get(name).map_or(name.to_string(), |unit| format!("{name} [{}]", pretty_unit(unit)))
+    }
+
+    /// Returns the text of `units.json`: the unit of each column that has one.
+    pub fn units_json(&self) -> String {
+        // A map of texts always has a JSON form.
+        serde_json::to_string_pretty(&serde_json::json!({ "columns": self.units })).unwrap_or_default() + "\n"
     }
 
     /// Returns the text of `table.csv`.
@@ -156,13 +176,20 @@ impl StudyTable {
                 StudyColumn::Texts(column) => TableField::Texts(column),
             })
             .collect();
-        parquet_of(&fields)
+        parquet_of(&fields, &self.units)
     }
 }
 
 /// Returns a result of a point by its name.
 fn value_of<'a>(record: Option<&'a Record>, name: &str) -> Option<&'a Value> {
     record?.results.iter().find(|result| result.name == name).map(|result| &result.value)
+}
+
+/// Returns the unit of a result; `None` without one, and where points name different ones.
+fn unit_of<'a>(records: impl Iterator<Item = &'a Record>, name: &str) -> Option<String> {
+    let mut units = records.flat_map(|record| &record.results).filter(|result| result.name == name).map(|result| &result.unit);
+    let first = units.next().filter(|unit| !unit.is_empty())?;
+    units.all(|unit| unit == first).then(|| first.clone())
 }
 
 /// Formats a number with six digits.
@@ -234,7 +261,7 @@ mod tests {
     fn rows_of_all_kinds() {
         let rows = ["0.5", "1", "2", "3"].map(|value| vec![value.to_string()]).to_vec();
         let plan = Plan::new(Scenario::default(), Limits::default(), Rows { names: vec!["dt".into()], rows }).unwrap();
-        let result = |name: &str, value: Value| PointResult { name: name.into(), value };
+        let result = |name: &str, value: Value| PointResult { name: name.into(), value, unit: String::new() };
         let done = |index: usize, results| {
             PointState::Done(Record { cause: None, results, ..Record::of(&plan.points[index].id, RecordOutcome::Completed, "") })
         };

@@ -3,6 +3,7 @@
 
 #[path = "../common/browser.rs"]
 mod browser;
+mod fields;
 mod layout;
 mod markup;
 mod several;

@@ -120,7 +120,7 @@ fn small_table(plan: &Plan, collected: &Collected) -> Vec<String> {
     }
     let columns: Vec<&StudyColumn> =
         table.columns[table.parameters.start..table.results.end].iter().chain(table.column("outcome")).collect();
-    let mut rows = vec![columns.iter().map(|column| column.name().to_string()).collect::<Vec<_>>()];
+    let mut rows = vec![columns.iter().map(|column| table.titled(column)).collect::<Vec<_>>()];
     for row in 0..table.rows() {
         let word = |column: &&StudyColumn| match column.numbers() {
             Some(values) => values[row].map_or("-".into(), short),

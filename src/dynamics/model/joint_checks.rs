@@ -18,8 +18,8 @@ const NODE_REMEDY: &str = "tie a boundary of the body that deforms to the other 
 const DRIVE_REMEDY: &str = "what a drive prescribes begins with what the joint is at rest, 0 for angles and travels, and limits contain \
                             that; hinges have an angle, sliders and slots a travel, links and cables a distance";
 
-const FRICTION_REMEDY: &str = "hinges (in the plane of the kind \"point\"), sliders and slots have friction; for other motions use a \
-                               damper beside the joint";
+const FRICTION_REMEDY: &str = "hinges and balls (of the kind \"point\"), sliders, slots, links with limits or a drive, and cables have \
+                               friction; for other motions use a damper beside the joint";
 
 impl Model {
     /// Node of a body nearest to a point in the initial configuration, and its distance `[length]`.
@@ -110,11 +110,11 @@ impl Model {
         }
     }
 
-    /// Checks that both ends of a joint with an angle have directions.
+    /// Checks that both ends of a joint that rotates have directions.
     fn check_directions(&self, joint: &JointDefinition) -> Result<(), String> {
         let deforms = |end: &&Anchor| end.body.is_some_and(|body| self.bodies[body].rigid.is_none());
-        match (joint.kind.coordinate(self.dimension()), joint.ends.iter().find(deforms)) {
-            (Some(Coordinate::Angle), Some(end)) => {
+        match (joint.kind.rotates(self.dimension()), joint.ends.iter().find(deforms)) {
+            (true, Some(end)) => {
                 let body = end.body.map_or("", |body| &self.bodies[body].name);
                 Err(format!("an angle needs directions, and a node of body \"{body}\", which deforms, has none"))
             }
@@ -169,16 +169,23 @@ impl Model {
         let unsound =
             |reason: String| Err(ModelError::Unsound { what: "joint", name: joint.name.clone(), reason, remedy: FRICTION_REMEDY });
         let Some(friction) = &joint.friction else { return Ok(()) };
-        let (kind, coordinate) = (joint.kind.name(), joint.kind.coordinate(self.dimension()));
-        if joint.kind.reactions(self.dimension()) == 0 {
-            return unsound(format!("it has friction, and a {kind} has neither one free angle nor a free travel"));
+        let (kind, rotates) = (joint.kind.name(), joint.kind.rotates(self.dimension()));
+        let is_distance = joint.kind.coordinate(self.dimension()) == Some(Coordinate::Distance);
+        if !rotates && joint.kind.coordinate(self.dimension()).is_none() {
+            return unsound(format!("it has friction, and a {kind} has no free motion of its own"));
+        }
+        if joint.kind == JointKind::Link && joint.limits.is_none() && joint.drive.is_none() {
+            return unsound("it has friction, and a link without limits and drive keeps its length".into());
         }
         self.check_directions(joint).or_else(unsound)?;
         let values = [friction.coefficient, friction.radius, friction.preload, friction.constant];
         if let Some(value) = values.into_iter().find(|value| !(value.is_finite() && *value >= 0.0)) {
             return unsound(format!("its friction has the value {value}, and all of them are finite and not negative"));
         }
-        if coordinate == Some(Coordinate::Angle) && friction.coefficient > 0.0 && friction.radius == 0.0 {
+        if is_distance && friction.coefficient > 0.0 && friction.preload == 0.0 {
+            return unsound(format!("its friction coefficient acts on nothing: a {kind} has no reaction across its line, and no preload"));
+        }
+        if rotates && friction.coefficient > 0.0 && friction.radius == 0.0 {
             return unsound("its friction coefficient has no lever arm: the radius of the bearing is 0".into());
         }
         Ok(())

@@ -88,14 +88,25 @@ impl JointKind {
         }
     }
 
-    /// Number of leading constraints that are components of the transverse reaction, perpendicular to the free motion; 0 without a free
-    /// angle or displacement.
+    /// Number of leading constraints that are components of the transverse reaction, perpendicular to the free motion; 0 for a
+    /// distance, and for joints without a free motion.
     pub fn reactions(self, dimension: usize) -> usize {
         match self.coordinate(dimension) {
             Some(Coordinate::Angle) => dimension,
             Some(Coordinate::Travel) => dimension - 1,
+            None if self.is_ball(dimension) => dimension,
             Some(Coordinate::Distance) | None => 0,
         }
+    }
+
+    /// True for a ball joint: its ends rotate relative to each other about any axis.
+    pub fn is_ball(self, dimension: usize) -> bool {
+        dimension == 3 && self == JointKind::Point
+    }
+
+    /// True if the free motion is a rotation, whose friction is a moment.
+    pub fn rotates(self, dimension: usize) -> bool {
+        self.is_ball(dimension) || self.coordinate(dimension) == Some(Coordinate::Angle)
     }
 
     /// Name of the kind of joint.
@@ -140,8 +151,8 @@ impl JointKind {
     }
 }
 
-/// Dry friction of the coordinate of a joint. The magnitude `L` of a friction force, or of a friction moment with the radius `r` of an
-/// angle (1 for a displacement), is at most
+/// Dry friction of the free motion of a joint. The magnitude `L` of a friction force, or of a friction moment with the radius `r` of a
+/// rotation (1 for a displacement or distance), is at most
 ///
 /// ```text
 /// L = mu r (|R| + P) + M
@@ -152,18 +163,18 @@ impl JointKind {
 pub struct JointFriction {
     /// Friction coefficient `mu`.
     pub coefficient: f64,
-    /// Radius `r` of the bearing surface of an angle `[length]`.
+    /// Radius `r` of the bearing surface of a rotation `[length]`.
     pub radius: f64,
     /// Preload `P`: normal force in addition to the reaction `[force]`.
     pub preload: f64,
-    /// Constant friction `M`: a force or, of an angle, a moment.
+    /// Constant friction `M`: a force or, of a rotation, a moment.
     pub constant: f64,
 }
 
 impl JointFriction {
-    /// Largest friction per reaction, and without reaction, in the dimensions of the coordinate.
-    pub fn limit(&self, coordinate: Coordinate) -> [f64; 2] {
-        let by_reaction = self.coefficient * if coordinate == Coordinate::Angle { self.radius } else { 1.0 };
+    /// Largest friction per reaction, and without reaction: moments of a rotation, forces otherwise.
+    pub fn limit(&self, rotates: bool) -> [f64; 2] {
+        let by_reaction = self.coefficient * if rotates { self.radius } else { 1.0 };
         [by_reaction, by_reaction * self.preload + self.constant]
     }
 }
@@ -181,7 +192,7 @@ pub struct JointDefinition {
     pub drive: Option<Amplitude>,
     /// Minimum and maximum of the coordinate; `None` without stops.
     pub limits: Option<[f64; 2]>,
-    /// Dry friction of the coordinate; `None` without friction.
+    /// Dry friction of the free motion; `None` without friction.
     pub friction: Option<JointFriction>,
 }
 

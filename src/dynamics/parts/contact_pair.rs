@@ -199,14 +199,13 @@ impl ContactPair {
     /// Adds the tangential constraints of the contact's friction, if defined.
     pub fn add_friction(&mut self, interaction: &Interaction) {
         let tangents = self.kernel.patches().dimension() - 1;
-        let of = |friction| FrictionRows::new(friction, self.kernel.rows(), tangents, self.c);
-        self.friction = interaction.friction.as_ref().map(of);
+        self.friction = interaction.friction.as_ref().map(|friction| FrictionRows::new(friction, self.kernel.rows(), tangents, self.c));
     }
 
-    /// Adds the tangential constraint of a joint, whose friction is at most `limit`.
-    pub fn add_joint_friction(&mut self, limit: JointReaction) {
+    /// Adds the tangential constraints of a joint, whose friction is at most `limit`: one for each component of its slip.
+    pub fn add_joint_friction(&mut self, limit: JointReaction, components: usize) {
         let friction = Friction { law: Arc::new(Coulomb::default()), coefficient: Coefficient::Constant(1.0) };
-        self.friction = Some(FrictionRows::new(&friction, 1, 1, self.c));
+        self.friction = Some(FrictionRows::new(&friction, 1, components, self.c));
         (self.law, self.reaction) = (&Reaction, Some(limit));
     }
 
@@ -376,8 +375,7 @@ impl ContactPair {
         if let Some(friction) = &mut self.friction {
             let block = |row: usize, column: usize| pattern.block((nodes + row) as u32, (nodes + column) as u32);
             friction.couplings = friction.rows.clone().map(|slip| block(slip, self.rows.start + friction.pressing(slip))).collect();
-            let groups = (0..self.rows.len()).map(|local| friction.group(local)).filter(|group| group.len() == 2);
-            friction.partners = groups.flat_map(|group| [block(group.start, group.end - 1), block(group.end - 1, group.start)]).collect();
+            friction.partners = friction.pairs().map(|[slip, other]| block(slip, other)).collect();
         }
     }
 
@@ -471,6 +469,7 @@ impl<'a> RowBlock<'a> {
         values: &mut [f64],
     ) {
         let (RowBlock { patches, evaluation, places, .. }, weight) = (self, self.share(shares));
+        let tangents = self.pair.friction.as_ref().map_or(1, |friction| friction.tangents);
         for p in (0..patches.len()).filter(|&p| evaluation.live[p]) {
             let (coupled, count) = (patches.nodes(p), patches.unknowns(p));
             let (first, kept) = (evaluation.gradient_range(patches, p).start, patches.gradient_range(p).start / D);
@@ -488,10 +487,10 @@ impl<'a> RowBlock<'a> {
                         values[row_place.at(0, i)] += factor * evaluation.gradient_end[entry];
                         values[column_place.at(i, 0)] -= weight * columns[entry];
                     }
-                    if beside[0] != 0.0 {
-                        // The gradients of a group's constraints are contiguous.
-                        let other = first + (m ^ 1) * count + u * D;
-                        (0..D).for_each(|i| values[row_place.at(0, i)] += beside[0] * evaluation.gradient_end[other + i]);
+                    for (by, [of_other, _]) in (1..).zip(beside).filter(|(_, [of_other, _])| *of_other != 0.0) {
+                        // The rows of a group follow each other.
+                        let other = first + (m - m % tangents + (m + by) % tangents) * count + u * D;
+                        (0..D).for_each(|i| values[row_place.at(0, i)] += of_other * evaluation.gradient_end[other + i]);
                     }
                 }
             }

@@ -16,7 +16,7 @@
 use super::body::Body;
 use super::joint_ends::{End, across};
 use super::joint_reaction::JointReaction;
-use crate::contact::{DrivenFunction, Geared, PointConstraints, PointFunction, PointVector};
+use crate::contact::{CoordinateKind, DrivenFunction, Geared, PointConstraints, PointFunction, PointVector};
 use crate::dynamics::model::definitions::Model;
 use crate::dynamics::model::joints::{Coordinate, JointDefinition, JointFriction, JointKind};
 
@@ -71,9 +71,9 @@ impl FreeMotion {
 
     /// Limit of the friction of the coordinate, whose joint has `components` components of the transverse reaction.
     pub fn limit_of(&self, components: usize, friction: &JointFriction, is_driven: bool) -> JointReaction {
-        let arm = if self.coordinate == Coordinate::Angle { self.size } else { 1.0 };
-        let limit = friction.limit(self.coordinate).map(|limit| limit / arm);
-        JointReaction::new(components, limit, self.is_grounded, is_driven)
+        let rotates = self.coordinate == Coordinate::Angle;
+        let arm = if rotates { self.size } else { 1.0 };
+        JointReaction::new(components, friction.limit(rotates).map(|limit| limit / arm), self.is_grounded, is_driven)
     }
 
     /// Adds the constraint that prescribes the coordinate.
@@ -127,15 +127,20 @@ pub fn geared(coupled: &[FreeMotion], ratio: f64, size: f64) -> Geared {
     for (motion, factor) in coupled.iter().zip([1.0, ratio]) {
         let first = vectors.len();
         vectors.extend(motion.vectors.iter().cloned());
-        let is_angle = motion.coordinate == Coordinate::Angle;
-        match is_angle {
-            true => functions.extend([product(first, first + 1, 0.0), product(first, first + 2, 0.0)]),
-            false => functions.push(product(first, first + 1, -motion.rest)),
+        let kind = match motion.coordinate {
+            Coordinate::Angle => CoordinateKind::Angle,
+            Coordinate::Travel => CoordinateKind::Travel,
+            Coordinate::Distance => CoordinateKind::Distance,
+        };
+        match kind {
+            CoordinateKind::Angle => functions.extend([product(first, first + 1, 0.0), product(first, first + 2, 0.0)]),
+            CoordinateKind::Travel => functions.push(product(first, first + 1, -motion.rest)),
+            CoordinateKind::Distance => functions.push(product(first, first, 0.0)),
         }
-        coordinates.push((is_angle, factor));
+        coordinates.push((kind, factor));
     }
     // The coordinate with the larger coefficient moves by its own length.
-    let arm = |(is_angle, factor): &(bool, f64)| factor.abs() / if *is_angle { size } else { 1.0 };
+    let arm = |(kind, factor): &(CoordinateKind, f64)| factor.abs() / if *kind == CoordinateKind::Angle { size } else { 1.0 };
     let largest = coordinates.iter().map(arm).fold(0.0, f64::max);
     coordinates.iter_mut().for_each(|(_, factor)| *factor /= largest);
     let dimension = coupled.first().map_or(2, |motion| motion.dimension);

@@ -1,5 +1,5 @@
 //! Tangential constraints of a contact pair, one per component of slip: one beside each normal constraint in the plane, a group of two in
-//! space (`slip_vector.rs`).
+//! space, of three for a ball joint (`slip_vector.rs`).
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -25,7 +25,7 @@ pub struct FrictionRows {
     pub tangents: usize,
     /// Multiplier per slip, which scales slips to multipliers.
     pub c: f64,
-    /// Blocks of each tangential constraint with its normal constraint, and with the other constraint of its group.
+    /// Blocks of each tangential constraint with its normal constraint, and with the other constraints of its group.
     pub(super) couplings: Vec<Block>,
     pub(super) partners: Vec<Block>,
 }
@@ -56,19 +56,31 @@ impl FrictionRows {
         first..first + self.tangents
     }
 
+    /// Other tangential constraints of the group of `row`, from the next one on and around.
+    pub fn others(&self, row: usize) -> impl Iterator<Item = usize> + use<> {
+        let (group, count) = (self.group(self.pressing(row)), self.tangents);
+        (1..count).map(move |by| group.start + (row - group.start + by) % count)
+    }
+
+    /// Each tangential constraint with each other one of its group.
+    pub fn pairs(&self) -> impl Iterator<Item = [usize; 2]> + '_ {
+        self.rows.clone().flat_map(|row| self.others(row).map(move |other| [row, other]))
+    }
+
     /// Index in the pair of the normal constraint of the tangential constraint `row`.
     pub fn pressing(&self, row: usize) -> usize {
         (row - self.rows.start) / self.tangents
     }
 
-    /// Writes the factors of the normal multipliers, and of the multipliers of the other constraint of a group, into values of the matrix.
+    /// Writes the factors of the normal multipliers, and of the multipliers of the other constraints of a group, into values of the matrix.
     pub fn couple(&self, equations: &[Equation], values: &mut [f64]) {
         let equations = &equations[self.rows.clone()];
         for (place, equation) in self.couplings.iter().zip(equations) {
             values[place.at(0, 0)] = equation.normal;
         }
-        for (place, equation) in self.partners.iter().zip(equations) {
-            values[place.at(0, 0)] = equation.beside[1];
+        let beside = equations.iter().flat_map(|equation| equation.beside.into_iter().take(self.tangents - 1));
+        for (place, [_, diagonal]) in self.partners.iter().zip(beside) {
+            values[place.at(0, 0)] = diagonal;
         }
     }
 

@@ -12,8 +12,9 @@ use super::carried::RigidBody;
 use super::contact_pair::{ContactPair, PairKind};
 use super::free_motion::{FreeMotion, geared};
 use super::joint_ends::{End, across, node_vector};
+use super::joint_reaction::JointReaction;
 use super::laws::Unilateral;
-use crate::contact::{ContactKernel, JointSlip, PointConstraints, PointFunction, PointVector};
+use crate::contact::{BallSlip, ContactKernel, JointSlip, PointConstraints, PointFunction, PointVector};
 use crate::dynamics::model::boundaries::inner_nodes;
 use crate::dynamics::model::definitions::Model;
 use crate::dynamics::model::interactions::{BodyBoundary, Partner};
@@ -86,22 +87,39 @@ pub fn point_pairs<const D: usize>(model: &Model, bodies: &[Body<D>], reference:
             pair.drive = joint.drive.clone().and_then(|drive| Some((joint.kind.coordinate(D)?, drive)));
             if matches!(joint.kind, JointKind::Cable(_)) { one_sided(pair) } else { pair }
         }));
-        let friction = FreeMotion::new(model, bodies, joint, size).zip(joint.friction);
-        pairs.extend(friction.map(|(free, friction)| {
-            let limit = free.limit_of(joint.kind.reactions(D), &friction, joint.drive.is_some());
-            let kernel = JointSlip::new(geared(std::slice::from_ref(&free), 1.0, size));
-            let mut pair = made(&joint.name, PairKind::JointFriction, body, size, Box::new(kernel));
+        pairs.extend(slip_of(model, bodies, joint, size).map(|(kernel, limit)| {
+            let mut pair = made(&joint.name, PairKind::JointFriction, body, size, kernel);
             // Forces of fast machines exceed those of the weight by orders of magnitude, and so does their round-off.
             pair.c = OF_WEIGHT * (model.modulus(body) * size.powi(D as i32 - 2)).max(limit.constant / size);
             pair.gap_tolerance *= OF_JOINT;
             pair.closed = pair.closed.max(OF_WEIGHT * pair.gap_tolerance);
-            pair.add_joint_friction(limit);
+            pair.add_joint_friction(limit, if joint.kind.is_ball(D) { 3 } else { 1 });
             pair
         }));
         let stops = of_points(&joint.name, PairKind::Joint, body, size, stops(model, bodies, joint, size));
         pairs.extend(stops.map(one_sided));
     }
     pairs
+}
+
+/// Slip of a joint with friction, and the limit of its friction; `None` without friction.
+fn slip_of<const D: usize>(
+    model: &Model,
+    bodies: &[Body<D>],
+    joint: &JointDefinition,
+    size: f64,
+) -> Option<(Box<dyn ContactKernel>, JointReaction)> {
+    let (friction, components, is_driven) = (joint.friction?, joint.kind.reactions(D), joint.drive.is_some());
+    if joint.kind.is_ball(D) {
+        let axes = [0, 1, 2].map(|k| std::array::from_fn(|i| if i == k { 1.0 } else { 0.0 }));
+        let [first, second] = End::of(model, bodies, joint).map(|end| axes.map(|axis| end.direction(axis)));
+        let limit = friction.limit(true).map(|limit| limit / size);
+        let limit = JointReaction::new(components, limit, joint.is_grounded(), is_driven);
+        return Some((Box::new(BallSlip::new(first, second, size)), limit));
+    }
+    let free = FreeMotion::new(model, bodies, joint, size)?;
+    let limit = free.limit_of(components, &friction, is_driven);
+    Some((Box::new(JointSlip::new(geared(std::slice::from_ref(&free), 1.0, size))), limit))
 }
 
 /// Makes a pair unilateral (taut cables, stops) under the persistency rule.

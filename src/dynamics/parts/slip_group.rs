@@ -1,4 +1,4 @@
-//! Tangential constraints beside a normal constraint: one in the plane, two in space.
+//! Tangential constraints beside a normal constraint: one in the plane, two in space, three of a ball joint.
 
 use super::friction_rows::SlipRow;
 use super::laws::{Equation, RowState};
@@ -9,7 +9,9 @@ pub enum SlipGroup<'a> {
     /// One constraint in the plane.
     Row(SlipRow<'a>),
     /// Two constraints in space.
-    Vector(SlipVector<'a>),
+    Pair(SlipVector<'a, 2>),
+    /// Three constraints of a rotation in space.
+    Triple(SlipVector<'a, 3>),
 }
 
 impl SlipGroup<'_> {
@@ -17,7 +19,8 @@ impl SlipGroup<'_> {
     pub fn first_state(&self) -> RowState {
         match self {
             SlipGroup::Row(row) => row.first_state(),
-            SlipGroup::Vector(rows) => rows.first_state(),
+            SlipGroup::Pair(rows) => rows.first_state(),
+            SlipGroup::Triple(rows) => rows.first_state(),
         }
     }
 
@@ -25,7 +28,8 @@ impl SlipGroup<'_> {
     pub fn residual(&self) -> (f64, f64) {
         match self {
             SlipGroup::Row(row) => row.residual(),
-            SlipGroup::Vector(rows) => rows.residual(),
+            SlipGroup::Pair(rows) => rows.residual(),
+            SlipGroup::Triple(rows) => rows.residual(),
         }
     }
 
@@ -33,10 +37,8 @@ impl SlipGroup<'_> {
     pub fn excess(&self) -> (f64, f64) {
         match self {
             SlipGroup::Row(row) => (row.lambda / row.pressed.c, row.lambda * row.slip),
-            SlipGroup::Vector(rows) => {
-                let [[a, b], [u, v]] = [rows.lambda, rows.slip];
-                (a.hypot(b) / rows.pressed.c, a * u + b * v)
-            }
+            SlipGroup::Pair(rows) => rows.excess(),
+            SlipGroup::Triple(rows) => rows.excess(),
         }
     }
 
@@ -44,7 +46,8 @@ impl SlipGroup<'_> {
     pub fn is_directed(&self) -> bool {
         match self {
             SlipGroup::Row(_) => true,
-            SlipGroup::Vector(rows) => rows.is_directed(),
+            SlipGroup::Pair(rows) => rows.is_directed(),
+            SlipGroup::Triple(rows) => rows.is_directed(),
         }
     }
 
@@ -52,7 +55,8 @@ impl SlipGroup<'_> {
     pub fn tolerance(&self) -> f64 {
         match self {
             SlipGroup::Row(row) => row.pressed.tolerance,
-            SlipGroup::Vector(rows) => rows.pressed.tolerance,
+            SlipGroup::Pair(rows) => rows.pressed.tolerance,
+            SlipGroup::Triple(rows) => rows.pressed.tolerance,
         }
     }
 
@@ -60,7 +64,8 @@ impl SlipGroup<'_> {
     pub fn set_compliance(&mut self, compliance: f64) {
         match self {
             SlipGroup::Row(row) => row.pressed.compliance = compliance,
-            SlipGroup::Vector(rows) => rows.pressed.compliance = compliance,
+            SlipGroup::Pair(rows) => rows.pressed.compliance = compliance,
+            SlipGroup::Triple(rows) => rows.pressed.compliance = compliance,
         }
     }
 
@@ -68,16 +73,21 @@ impl SlipGroup<'_> {
     pub fn raise_compliance(&mut self, compliance: f64) {
         let pressed = match self {
             SlipGroup::Row(row) => &mut row.pressed,
-            SlipGroup::Vector(rows) => &mut rows.pressed,
+            SlipGroup::Pair(rows) => &mut rows.pressed,
+            SlipGroup::Triple(rows) => &mut rows.pressed,
         };
         pressed.compliance = pressed.compliance.max(compliance);
     }
 
-    /// Equations of the constraints in a state; for a single constraint the second is inactive.
-    pub fn equations(&self, state: RowState) -> [Equation; 2] {
+    /// Equations of the constraints in a state; those beyond the number of constraints are inactive.
+    pub fn equations(&self, state: RowState) -> [Equation; 3] {
         match self {
-            SlipGroup::Row(row) => [row.equation(state), Equation::OPEN],
-            SlipGroup::Vector(rows) => rows.equations(state),
+            SlipGroup::Row(row) => [row.equation(state), Equation::OPEN, Equation::OPEN],
+            SlipGroup::Pair(rows) => {
+                let [first, second] = rows.equations(state);
+                [first, second, Equation::OPEN]
+            }
+            SlipGroup::Triple(rows) => rows.equations(state),
         }
     }
 
@@ -85,7 +95,8 @@ impl SlipGroup<'_> {
     pub fn change(&self, state: RowState) -> Option<(RowState, f64)> {
         match self {
             SlipGroup::Row(row) => row.change(state),
-            SlipGroup::Vector(rows) => rows.change(state),
+            SlipGroup::Pair(rows) => rows.change(state),
+            SlipGroup::Triple(rows) => rows.change(state),
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Two tangential constraints beside a normal constraint in space: slip and multiplier with two components.
+//! Several tangential constraints beside a normal constraint in space: slip and multiplier with two components, of a ball joint three.
 //!
 //! With the dry multiplier `s = lambda + F u` (film constant `F`), its limit `L`, and the size `r` of the slip for which a constraint that
 //! slipped before has zero slip rate at the end of the step (0 for others), the admissible slips and multipliers are
@@ -25,55 +25,52 @@ use super::laws::{Equation, RowState};
 use crate::contact::Limit;
 use crate::math::tolerances;
 
-/// Two components along the tangents of a constraint.
-type Pair = [f64; 2];
-
-/// Two tangential constraints of a group at an iterate.
-pub struct SlipVector<'a> {
+/// Tangential constraints of a group at an iterate, one for each of `N` components.
+pub struct SlipVector<'a, const N: usize> {
     /// Data of the normal constraint.
     pub pressed: NormalState<'a>,
     /// Tangential multipliers.
-    pub lambda: Pair,
+    pub lambda: [f64; N],
     /// Slip of the step.
-    pub slip: Pair,
+    pub slip: [f64; N],
     /// Slip for which a constraint that slipped before has zero slip rate at the end of the step; 0 for others.
-    pub rest: Pair,
+    pub rest: [f64; N],
 }
 
 /// Dry multiplier `N(z)` at a trial multiplier `z`, and its derivatives along `z` and perpendicular to it.
-struct Map {
-    value: Pair,
+struct Map<const N: usize> {
+    value: [f64; N],
     along: f64,
     across: f64,
 }
 
-fn size([x, y]: Pair) -> f64 {
-    x.hypot(y)
+fn size<const N: usize>(a: [f64; N]) -> f64 {
+    a.into_iter().fold(0.0, f64::hypot)
 }
 
-fn dot(a: Pair, b: Pair) -> f64 {
-    a[0] * b[0] + a[1] * b[1]
+fn dot<const N: usize>(a: [f64; N], b: [f64; N]) -> f64 {
+    a.into_iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// Returns `a + s b`.
-fn plus(a: Pair, s: f64, b: Pair) -> Pair {
-    [a[0] + s * b[0], a[1] + s * b[1]]
+fn plus<const N: usize>(a: [f64; N], s: f64, b: [f64; N]) -> [f64; N] {
+    std::array::from_fn(|i| a[i] + s * b[i])
 }
 
 /// Direction of a vector; the first axis for a zero vector.
-fn direction(a: Pair) -> Pair {
+fn direction<const N: usize>(a: [f64; N]) -> [f64; N] {
     let size = size(a);
-    if size > 0.0 { a.map(|x| x / size) } else { [1.0, 0.0] }
+    if size > 0.0 { a.map(|x| x / size) } else { std::array::from_fn(|i| if i == 0 { 1.0 } else { 0.0 }) }
 }
 
-impl SlipVector<'_> {
+impl<const N: usize> SlipVector<'_, N> {
     /// Size of `rest`; 0 at round-off level.
     fn stop(&self) -> f64 {
         let size = size(self.rest);
         if self.pressed.is_clear(size) { size } else { 0.0 }
     }
 
-    fn limit(&self, slip: Pair) -> Limit {
+    fn limit(&self, slip: [f64; N]) -> Limit {
         self.pressed.limit(size(slip))
     }
 
@@ -82,7 +79,7 @@ impl SlipVector<'_> {
     }
 
     /// Multiplier of dry friction, without the film's contribution.
-    fn dry(&self) -> Pair {
+    fn dry(&self) -> [f64; N] {
         plus(self.lambda, self.film(), self.slip)
     }
 
@@ -92,7 +89,7 @@ impl SlipVector<'_> {
     }
 
     /// Trial multiplier `z = s - c u`.
-    fn trial(&self, c: f64) -> Pair {
+    fn trial(&self, c: f64) -> [f64; N] {
         plus(self.dry(), -c, self.slip)
     }
 
@@ -108,12 +105,12 @@ impl SlipVector<'_> {
     }
 
     /// Dry multiplier `N(z)` in a state, at the trial multiplier `z = s - c u`.
-    fn map(&self, c: f64, state: RowState, limit: f64) -> Map {
+    fn map(&self, c: f64, state: RowState, limit: f64) -> Map<N> {
         let z = self.trial(c);
         let (size, stop) = (size(z), c * self.stop());
         let share = |part: f64| if size > part { part / size } else { 1.0 };
         match state {
-            RowState::Turns | RowState::Open => Map { value: [0.0; 2], along: 0.0, across: 0.0 },
+            RowState::Turns | RowState::Open => Map { value: [0.0; N], along: 0.0, across: 0.0 },
             RowState::Stops => {
                 let rest = 1.0 - share(stop);
                 Map { value: plus(z, -stop, direction(z)), along: 1.0, across: rest }
@@ -129,7 +126,7 @@ impl SlipVector<'_> {
     pub fn first_state(&self) -> RowState {
         let limit = self.limit(self.slip).shear;
         // Constraints without pressure and motion start sticking.
-        let is_idle = self.pressed.normal <= 0.0 && self.trial(self.pace()) == [0.0; 2];
+        let is_idle = self.pressed.normal <= 0.0 && self.trial(self.pace()) == [0.0; N];
         if limit > 0.0 || is_idle { self.nearest(self.pace(), limit) } else { RowState::Forward }
     }
 
@@ -138,6 +135,11 @@ impl SlipVector<'_> {
     pub fn is_directed(&self) -> bool {
         let trial = size(self.trial(self.pace()));
         trial > 0.0 && trial >= tolerances::UNDIRECTED * self.limit(self.slip).shear
+    }
+
+    /// Whole multiplier as a slip, and its energy.
+    pub fn excess(&self) -> (f64, f64) {
+        (size(self.lambda) / self.pressed.c, dot(self.lambda, self.slip))
     }
 
     /// Natural residual as a slip, and its energy.
@@ -150,9 +152,9 @@ impl SlipVector<'_> {
     }
 
     /// Equations of the constraints in a state.
-    pub fn equations(&self, state: RowState) -> [Equation; 2] {
+    pub fn equations(&self, state: RowState) -> [Equation; N] {
         if state == RowState::Open {
-            return [Equation::OPEN; 2];
+            return [Equation::OPEN; N];
         }
         let NormalState { stiffness, compliance, normal, .. } = self.pressed;
         let c = self.pace();
@@ -164,7 +166,7 @@ impl SlipVector<'_> {
         let (Map { value, along, across }, film, by) = (self.map(c, state, shear), self.film(), 1.0 / c);
         let scale = |n: f64| 1.0 / (n + (1.0 - n) * by * stiffness);
         let (scale_along, scale_across) = (scale(along), scale(across));
-        let matrix = |along: f64, across: f64| -> [Pair; 2] {
+        let matrix = |along: f64, across: f64| -> [[f64; N]; N] {
             let (along, across) = (scale_along * along, scale_across * across);
             std::array::from_fn(|i| std::array::from_fn(|j| (along - across) * e[i] * e[j] + if i == j { across } else { 0.0 }))
         };
@@ -177,14 +179,17 @@ impl SlipVector<'_> {
         let missed = plus(value, -1.0, self.dry());
         let scaled = plus(missed.map(|x| scale_across * x), (scale_along - scale_across) * dot(missed, e), e);
         std::array::from_fn(|i| {
-            let j = 1 - i;
+            let beside = |by: usize| {
+                let j = (i + by) % N;
+                if by < N { [gradient[i][j], diagonal[i][j]] } else { [0.0; 2] }
+            };
             let right = by * scaled[i] + dot(diagonal[i], self.lambda) - pressing * normal * e[i];
             Equation {
                 acts: true,
                 gradient: gradient[i][i],
                 diagonal: diagonal[i][i],
                 normal: -pressing * self.pressed.sense * e[i],
-                beside: [gradient[i][j], diagonal[i][j]],
+                beside: [beside(1), beside(2)],
                 right,
                 compliance,
             }
@@ -194,7 +199,7 @@ impl SlipVector<'_> {
     /// New state and magnitude of the violation that requires it, or `None`; `self` has the values of the frozen linearization.
     pub fn change(&self, state: RowState) -> Option<(RowState, f64)> {
         let (dry, stop, c) = (self.dry(), self.stop(), self.pressed.c);
-        let most = self.limit([0.0; 2]).shear / c;
+        let most = self.limit([0.0; N]).shear / c;
         // Speed opposite to the multiplier, and multiplier opposite to the slip.
         let (forward, against) = (-dot(direction(dry), self.slip), -dot(dry, direction(self.slip)) / c);
         let (next, off) = match state {
@@ -214,9 +219,11 @@ impl SlipVector<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    type Pair = [f64; 2];
     use crate::contact::{Coulomb, FrictionLaw};
 
-    fn rows(law: &dyn FrictionLaw, normal: f64, lambda: Pair, slip: Pair, rest: Pair) -> SlipVector<'_> {
+    fn rows(law: &dyn FrictionLaw, normal: f64, lambda: Pair, slip: Pair, rest: Pair) -> SlipVector<'_, 2> {
         let (coefficient, speed, around, compliance, c, tolerance) = (0.3, 2.0, 1.0, 0.0, 5.0, 1e-9);
         let pressed = NormalState { law, coefficient, normal, sense: 1.0, speed, around, compliance, c, stiffness: 3.0 * c, tolerance };
         SlipVector { pressed, lambda, slip, rest }
@@ -250,7 +257,7 @@ mod tests {
                 // The equations are satisfied there by a zero increment.
                 for (k, equation) in at.equations(state).into_iter().enumerate() {
                     let Equation { diagonal, normal, beside, right, .. } = equation;
-                    let left = diagonal * lambda[k] + beside[1] * lambda[1 - k] + normal * 2.0;
+                    let left = diagonal * lambda[k] + beside[0][1] * lambda[1 - k] + normal * 2.0;
                     assert!((left - right).abs() < 1e-15, "{state:?}: {left} {right}");
                 }
             }
@@ -306,10 +313,10 @@ mod tests {
                 let by_normal = slope(&|s| missed(1.7 + s, lambda, slip));
                 let by_lambda = [i, j].map(|k| slope(&|s| missed(1.7, plus(lambda, 1.0, unit(k, s)), slip)));
                 assert!((by_normal - normal).abs() < 1e-8, "{state:?} {by_normal} {normal}");
-                assert!((by_lambda[0] - diagonal).abs() < 2e-3 && (by_lambda[1] - beside[1]).abs() < 2e-3, "{state:?} {by_lambda:?}");
+                assert!((by_lambda[0] - diagonal).abs() < 2e-3 && (by_lambda[1] - beside[0][1]).abs() < 2e-3, "{state:?} {by_lambda:?}");
                 let by_slip = [i, j].map(|k| slope(&|s| missed(1.7, lambda, plus(slip, 1.0, unit(k, s)))));
                 // A film also rotates the trial, and the speed depends on its direction; terms of that size are omitted.
-                assert!((by_slip[0] - gradient).abs() < 0.05 && (by_slip[1] - beside[0]).abs() < 0.05, "{state:?} {by_slip:?}");
+                assert!((by_slip[0] - gradient).abs() < 0.05 && (by_slip[1] - beside[0][0]).abs() < 0.05, "{state:?} {by_slip:?}");
             }
         }
     }

@@ -174,7 +174,8 @@ pub struct JointLoad {
 /// Friction of a joint in a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JointFrictionLoad {
-    /// Friction along the coordinate on the second body, mean over the step: a force or, of an angle, a moment.
+    /// Friction along the coordinate on the second body, mean over the step: a force or, of an angle, a moment; of a ball joint the size
+    /// of the moment.
     pub force: f64,
     /// Work in the step, never positive `[energy]`.
     pub work: f64,

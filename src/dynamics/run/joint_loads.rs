@@ -3,6 +3,7 @@
 use super::engine::Engine;
 use super::fields::{JointFrictionLoad, JointLoad};
 use super::ledger::JointTotals;
+use super::slip_memory::size;
 use crate::bodies::{Elements, Space};
 use crate::contact::Evaluation;
 use crate::dynamics::model::joints::{Anchor, Coordinate, JointDefinition};
@@ -74,9 +75,8 @@ where
         let is_own = |pair: &ContactPair| matches!(pair.kind, PairKind::Joint | PairKind::JointFriction) && pair.name == joint.name;
         for block in self.system.blocks(pairs, slips).filter(|block| is_own(block.pair)) {
             if block.is_slip() {
-                let is_angle = joint.kind.coordinate(D) == Some(Coordinate::Angle);
-                let arm = if is_angle { block.pair.kernel.facet_size() } else { 1.0 };
-                (total.friction, total.friction_work) = (arm * lambda[block.rows.start], block.work(lambda) + 0.0);
+                let arm = if joint.kind.rotates(D) { block.pair.kernel.facet_size() } else { 1.0 };
+                (total.friction, total.friction_work) = (arm * size(&lambda[block.rows.clone()]), block.work(lambda) + 0.0);
             }
             for row in block.live_rows() {
                 let pressure = lambda[row.row];

@@ -221,7 +221,8 @@ pub struct JointTotals {
     pub value: f64,
     /// Work of the drive in the step `[energy]`.
     pub work: f64,
-    /// Friction along the coordinate on its second body, included in force and moment: a force or, of an angle, a moment.
+    /// Friction along the coordinate on its second body, included in force and moment: a force or, of an angle, a moment; of a ball joint
+    /// the size of the moment.
     pub friction: f64,
     /// Work of friction in the step `[energy]`, never positive.
     pub friction_work: f64,
@@ -234,8 +235,7 @@ impl JointTotals {
         columns.extend(joint.kind.coordinate(dimension).map(Coordinate::quantity));
         columns.extend(joint.drive.as_ref().map(|_| Quantity::new("work", "energy")));
         if joint.friction.is_some() {
-            let is_angle = joint.kind.coordinate(dimension) == Some(Coordinate::Angle);
-            let dimension = if is_angle { "force * length" } else { "force" };
+            let dimension = if joint.kind.rotates(dimension) { "force * length" } else { "force" };
             columns.extend([Quantity::new("friction", dimension), Quantity::new("friction_work", "energy")]);
         }
         columns

@@ -30,6 +30,7 @@ pub mod judging;
 pub mod ledger;
 pub mod loaded;
 pub mod modes;
+pub mod node_fields;
 pub mod options;
 pub mod pace;
 pub mod packed;

@@ -61,32 +61,39 @@ pub struct PointField {
     pub words: &'static str,
     /// Dimension, `1` of numbers.
     pub dimension: &'static str,
-    /// True if the stress alone determines the field.
-    pub is_of_stress: bool,
+    /// Name of the quantity from which the field follows, such as `stress`.
+    pub source: &'static str,
+    /// True if the field depends on the local frame.
+    pub is_local: bool,
     /// Value at a point.
     pub value: PointValue,
 }
 
 impl PointField {
     const fn stress(name: &'static str, words: &'static str, value: fn(&CellStress, &LocalFrame) -> f64) -> Self {
-        PointField { name, words, dimension: "stress", is_of_stress: true, value: PointValue::Number(value) }
+        PointField { name, words, dimension: "stress", source: "stress", is_local: false, value: PointValue::Number(value) }
     }
 
     const fn strain(name: &'static str, words: &'static str, value: fn(&CellStress, &LocalFrame) -> f64) -> Self {
-        PointField { name, words, dimension: "1", is_of_stress: false, value: PointValue::Number(value) }
+        PointField { name, words, dimension: "1", source: "strain", is_local: false, value: PointValue::Number(value) }
     }
 
     const fn vector(name: &'static str, words: &'static str, value: fn(&CellStress, &LocalFrame) -> [f64; 3]) -> Self {
-        PointField { name, words, dimension: "1", is_of_stress: true, value: PointValue::Vector(value) }
+        PointField { name, words, dimension: "1", source: "stress", is_local: false, value: PointValue::Vector(value) }
+    }
+
+    /// Field that is a quantity of its own, which follows from no other one.
+    const fn own(name: &'static str, words: &'static str, dimension: &'static str, value: fn(&CellStress, &LocalFrame) -> f64) -> Self {
+        PointField { name, words, dimension, source: name, is_local: false, value: PointValue::Number(value) }
+    }
+
+    /// Field in the local frame.
+    const fn local(self) -> Self {
+        PointField { is_local: true, ..self }
     }
 
     const fn of(self, dimension: &'static str) -> Self {
         PointField { dimension, ..self }
-    }
-
-    /// Index of the field of numbers with a name.
-    pub fn number_named(name: &str) -> Option<usize> {
-        POINT_FIELDS.iter().position(|field| field.name == name && matches!(field.value, PointValue::Number(_)))
     }
 
     /// Number at a point; of a vector its length.
@@ -127,24 +134,26 @@ pub static POINT_FIELDS: &[PointField] = &[
     PointField::strain("principal_strain_1", "largest principal strain", |at, _| principal(&at.strain).values[0]),
     PointField::strain("principal_strain_2", "middle principal strain", |at, _| principal(&at.strain).values[1]),
     PointField::strain("principal_strain_3", "least principal strain", |at, _| principal(&at.strain).values[2]),
-    PointField::stress("stress_rr", "radial stress", |at, frame| round(at.position, &at.stress, frame, [0, 0])),
-    PointField::stress("stress_tt", "tangential (hoop) stress", |at, frame| round(at.position, &at.stress, frame, [1, 1])),
-    PointField::stress("stress_aa", "axial stress", |at, frame| round(at.position, &at.stress, frame, [2, 2])),
-    PointField::stress("stress_rt", "shear stress rt", |at, frame| round(at.position, &at.stress, frame, [0, 1])),
-    PointField::stress("stress_ta", "shear stress ta", |at, frame| round(at.position, &at.stress, frame, [1, 2])),
-    PointField::stress("stress_ra", "shear stress ra", |at, frame| round(at.position, &at.stress, frame, [0, 2])),
-    PointField::strain("strain_rr", "radial strain", |at, frame| round(at.rest, &at.strain, frame, [0, 0])),
-    PointField::strain("strain_tt", "tangential (hoop) strain", |at, frame| round(at.rest, &at.strain, frame, [1, 1])),
-    PointField::strain("strain_aa", "axial strain", |at, frame| round(at.rest, &at.strain, frame, [2, 2])),
-    PointField::strain("strain_rt", "shear strain rt", |at, frame| round(at.rest, &at.strain, frame, [0, 1])),
-    PointField::strain("strain_ta", "shear strain ta", |at, frame| round(at.rest, &at.strain, frame, [1, 2])),
-    PointField::strain("strain_ra", "shear strain ra", |at, frame| round(at.rest, &at.strain, frame, [0, 2])),
-    PointField::stress("stress_along", "stress along direction", |at, frame| along(&at.stress, &frame.along())),
-    PointField::strain("strain_along", "strain along direction", |at, frame| along(&at.strain, &frame.along())),
-    PointField::vector("traction", "stress vector on a plane", |at, frame| (matrix(&at.stress) * frame.along()).into()).of("stress"),
-    PointField::strain("energy_density", "strain energy density", |at, _| at.energy).of("energy/volume"),
-    PointField::strain("plastic_strain", "equivalent plastic strain", |at, _| at.plastic_strain),
-    PointField::strain("back_stress", "von Mises norm of the back stress", |at, _| at.back_stress).of("stress"),
+    PointField::stress("stress_rr", "radial stress", |at, frame| round(at.position, &at.stress, frame, [0, 0])).local(),
+    PointField::stress("stress_tt", "tangential (hoop) stress", |at, frame| round(at.position, &at.stress, frame, [1, 1])).local(),
+    PointField::stress("stress_aa", "axial stress", |at, frame| round(at.position, &at.stress, frame, [2, 2])).local(),
+    PointField::stress("stress_rt", "shear stress rt", |at, frame| round(at.position, &at.stress, frame, [0, 1])).local(),
+    PointField::stress("stress_ta", "shear stress ta", |at, frame| round(at.position, &at.stress, frame, [1, 2])).local(),
+    PointField::stress("stress_ra", "shear stress ra", |at, frame| round(at.position, &at.stress, frame, [0, 2])).local(),
+    PointField::strain("strain_rr", "radial strain", |at, frame| round(at.rest, &at.strain, frame, [0, 0])).local(),
+    PointField::strain("strain_tt", "tangential (hoop) strain", |at, frame| round(at.rest, &at.strain, frame, [1, 1])).local(),
+    PointField::strain("strain_aa", "axial strain", |at, frame| round(at.rest, &at.strain, frame, [2, 2])).local(),
+    PointField::strain("strain_rt", "shear strain rt", |at, frame| round(at.rest, &at.strain, frame, [0, 1])).local(),
+    PointField::strain("strain_ta", "shear strain ta", |at, frame| round(at.rest, &at.strain, frame, [1, 2])).local(),
+    PointField::strain("strain_ra", "shear strain ra", |at, frame| round(at.rest, &at.strain, frame, [0, 2])).local(),
+    PointField::stress("stress_along", "stress along direction", |at, frame| along(&at.stress, &frame.along())).local(),
+    PointField::strain("strain_along", "strain along direction", |at, frame| along(&at.strain, &frame.along())).local(),
+    PointField::vector("traction", "stress vector on a plane", |at, frame| (matrix(&at.stress) * frame.along()).into())
+        .of("stress")
+        .local(),
+    PointField::own("energy_density", "strain energy density", "energy/volume", |at, _| at.energy),
+    PointField::own("plastic_strain", "equivalent plastic strain", "1", |at, _| at.plastic_strain),
+    PointField::own("back_stress", "von Mises norm of the back stress", "stress", |at, _| at.back_stress),
 ];
 
 /// Fields of nodes that do not follow from the values at a point, tensors, and the fields of secondary surfaces.
@@ -224,7 +233,7 @@ mod tests {
     }
 
     fn value(name: &str, at: &CellStress, frame: &LocalFrame) -> f64 {
-        POINT_FIELDS[PointField::number_named(name).unwrap()].number(at, frame)
+        POINT_FIELDS.iter().find(|field| field.name == name).unwrap().number(at, frame)
     }
 
     #[test]

@@ -77,14 +77,23 @@ impl<'a> SlipPlace<'a> {
             tolerance: pair.gap_tolerance,
         };
         let rest = |k: usize| if conditions.stops[first] { rests[k] } else { 0.0 };
-        if self.rows.len() == 1 {
-            SlipGroup::Row(SlipRow { pressed, lambda: lambda[first], slip: slip(first), rest: rest(0), is_held })
-        } else {
-            let of = |values: &dyn Fn(usize) -> f64| [0, 1].map(values);
-            let (lambda, slip) = (of(&|k| lambda[first + k]), of(&|k| slip(first + k)));
-            SlipGroup::Vector(SlipVector { pressed, lambda, slip, rest: of(&rest) })
+        match self.rows.len() {
+            1 => SlipGroup::Row(SlipRow { pressed, lambda: lambda[first], slip: slip(first), rest: rest(0), is_held }),
+            2 => SlipGroup::Pair(vector(pressed, |k| lambda[first + k], |k| slip(first + k), rest)),
+            _ => SlipGroup::Triple(vector(pressed, |k| lambda[first + k], |k| slip(first + k), rest)),
         }
     }
+}
+
+/// Tangential constraints of a group with the components of multiplier, slip and rest.
+fn vector<const N: usize>(
+    pressed: NormalState<'_>,
+    lambda: impl Fn(usize) -> f64,
+    slip: impl Fn(usize) -> f64,
+    rest: impl Fn(usize) -> f64,
+) -> SlipVector<'_, N> {
+    use std::array::from_fn;
+    SlipVector { pressed, lambda: from_fn(lambda), slip: from_fn(slip), rest: from_fn(rest) }
 }
 
 /// Tangential constraints of all pairs at an iterate.

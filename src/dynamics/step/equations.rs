@@ -212,10 +212,9 @@ impl<const D: usize> Equations<D> {
         self.tangential_at(row, |_, friction| friction.group(friction.pressing(row))).unwrap_or(row..row + 1)
     }
 
-    /// Other tangential constraint of a group of two.
-    pub fn partner_row(&self, slip: usize) -> usize {
-        let group = self.group_of(slip);
-        group.start + group.end - 1 - slip
+    /// Other tangential constraints of the group of `slip`, from the next one on and around.
+    pub fn partner_rows(&self, slip: usize) -> impl Iterator<Item = usize> + use<D> {
+        self.tangential_at(slip, |_, friction| friction.others(slip)).into_iter().flatten()
     }
 
     fn tangential_at<T>(&self, row: usize, of: impl Fn(&ContactPair, &FrictionRows) -> T) -> Option<T> {

@@ -128,9 +128,10 @@ where
             if normal != 0.0 {
                 own += normal * values.lambda[self.pressing_row(row)];
             }
-            if beside != [0.0; 2] {
-                let other = self.partner_row(row);
-                own += beside[0] * values.gaps[other] + beside[1] * values.lambda[other];
+            if beside != [[0.0; 2]; 2] {
+                let others = self.partner_rows(row).zip(beside);
+                own +=
+                    others.map(|(other, [by_gap, by_lambda])| by_gap * values.gaps[other] + by_lambda * values.lambda[other]).sum::<f64>();
             }
             own
         };

@@ -1,132 +1,89 @@
 //! Nodal fields that a picture shows by colors, and vector fields that it shows by arrows.
 
-use crate::dynamics::{BodyFields, LocalFrame, POINT_FIELDS, PointField, PointValue, field_dimension};
+use crate::dynamics::{BodyFields, LocalFrame, NODE_FIELDS, NodeField, field_dimension};
 
-/// Name of the acceleration in scripts and in words.
-const ACCELERATION: &str = "acceleration";
-
-/// A nodal field that a picture can show.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Field {
-    /// Von Mises stress.
-    #[default]
-    VonMises,
-    /// Hydrostatic pressure.
-    Pressure,
-    /// Contact pressure.
-    ContactPressure,
-    /// Magnitude of the displacement.
-    Displacement,
-    /// Magnitude of the velocity.
-    Velocity,
-    /// Equivalent plastic strain.
-    PlasticStrain,
-    /// Stick or slip of contact nodes, as in [`BodyFields::contact_slip`].
-    Slip,
-    /// A component of the Cauchy stress, as an index into [`BodyFields::stress`].
-    Stress(Component),
-    /// Magnitude of the acceleration.
-    Acceleration,
-    /// A field of numbers that follows from the values at a point, as an index into [`POINT_FIELDS`].
-    Point(usize),
-}
-
-/// A component of a symmetric stress, in the order of [`BodyFields::stress`].
+/// A nodal field that a picture can show, of vectors the length: an index into [`NODE_FIELDS`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Component {
-    /// xx
-    Xx,
-    /// yy
-    Yy,
-    /// zz
-    Zz,
-    /// xy
-    Xy,
-    /// yz
-    Yz,
-    /// xz
-    Xz,
+pub struct Field(usize);
+
+impl Default for Field {
+    fn default() -> Self {
+        Field::from_name("von_mises").unwrap_or(Field(0))
+    }
 }
 
 impl Field {
-    /// Fields of recordings and reports, with their names in scripts and their titles.
-    pub const ALL: &'static [(&'static str, &'static str, Field)] = &[
-        ("von_mises", "von Mises stress", Field::VonMises),
-        ("pressure", "pressure (−tr σ / 3)", Field::Pressure),
-        ("contact_pressure", "contact pressure", Field::ContactPressure),
-        ("displacement", "displacement", Field::Displacement),
-        ("velocity", "velocity", Field::Velocity),
-        ("plastic_strain", "plastic strain", Field::PlasticStrain),
-        ("slip", "stick and slip", Field::Slip),
-        ("stress_xx", "stress xx", Field::Stress(Component::Xx)),
-        ("stress_yy", "stress yy", Field::Stress(Component::Yy)),
-        ("stress_zz", "stress zz", Field::Stress(Component::Zz)),
-        ("stress_xy", "stress xy", Field::Stress(Component::Xy)),
-        ("stress_yz", "stress yz", Field::Stress(Component::Yz)),
-        ("stress_xz", "stress xz", Field::Stress(Component::Xz)),
+    /// Names of the fields that every recording has and every report offers.
+    pub const BASIC: [&'static str; 13] = [
+        "von_mises",
+        "pressure",
+        "contact_pressure",
+        "displacement",
+        "velocity",
+        "plastic_strain",
+        "slip",
+        "stress_xx",
+        "stress_yy",
+        "stress_zz",
+        "stress_xy",
+        "stress_yz",
+        "stress_xz",
     ];
 
     /// Returns the field with a name of scripts.
     pub fn from_name(name: &str) -> Option<Self> {
-        let own = Field::ALL.iter().find(|row| row.0 == name).map(|row| row.2);
-        own.or((name == ACCELERATION).then_some(Field::Acceleration)).or_else(|| PointField::number_named(name).map(Field::Point))
+        NODE_FIELDS.iter().position(|field| field.name == name && field.has_size()).map(Field)
     }
 
-    /// Names of all fields in scripts.
+    /// All fields, the basic ones first.
+    pub fn all() -> Vec<Field> {
+        let is_further = |field: &Field| !Field::BASIC.contains(&field.name());
+        let further = (0..NODE_FIELDS.len()).map(Field).filter(|field| field.of().has_size()).filter(is_further);
+        Field::BASIC.iter().filter_map(|name| Field::from_name(name)).chain(further).collect()
+    }
+
+    /// Names of all fields in scripts, the basic ones first.
     pub fn names() -> Vec<&'static str> {
-        let is_further =
-            |field: &&PointField| matches!(field.value, PointValue::Number(_)) && Field::ALL.iter().all(|row| row.0 != field.name);
-        let further = POINT_FIELDS.iter().filter(is_further).map(|field| field.name);
-        Field::ALL.iter().map(|row| row.0).chain([ACCELERATION]).chain(further).collect()
+        Field::all().into_iter().map(Field::name).collect()
     }
 
-    /// True if the field follows from the recorded stress, strain and motion.
-    pub fn is_recorded(self) -> bool {
-        match self {
-            Field::Point(index) => POINT_FIELDS[index].is_of_stress,
-            field => field != Field::Acceleration,
-        }
+    fn of(self) -> &'static NodeField {
+        &NODE_FIELDS[self.0]
+    }
+
+    /// Name of the field in scripts.
+    pub fn name(self) -> &'static str {
+        self.of().name
+    }
+
+    /// Name of the quantity from which the field follows, such as `stress` or `strain`.
+    pub fn source(self) -> &'static str {
+        self.of().source()
+    }
+
+    /// True if the field depends on the local frame.
+    pub fn is_local(self) -> bool {
+        self.of().is_local()
     }
 
     /// Name of the field in words.
     pub fn words(self) -> &'static str {
-        match self {
-            Field::Acceleration => ACCELERATION,
-            Field::Point(index) => POINT_FIELDS[index].words,
-            _ => Field::ALL.iter().find(|row| row.2 == self).map_or("", |row| row.1),
-        }
+        self.of().words
     }
 
     /// Dimension of the field.
     pub fn dimension(self) -> &'static str {
-        let name = match self {
-            Field::Acceleration => ACCELERATION,
-            Field::Point(index) => POINT_FIELDS[index].name,
-            _ => Field::ALL.iter().find(|row| row.2 == self).map_or("", |row| row.0),
-        };
-        field_dimension(name)
+        self.of().dimension()
     }
 
     /// Names of the values 1, 2, … of a field of categories; 0 is none of these.
     pub fn kinds(self) -> &'static [&'static str] {
-        if self == Field::Slip { &["sticks", "slides"] } else { &[] }
+        if ["slip", "contact_state"].contains(&self.name()) { &["sticks", "slides"] } else { &[] }
     }
 
     /// Value of the field at a node, with the frame to which components refer.
     pub fn value(self, body: &BodyFields, node: usize, frame: &LocalFrame) -> f64 {
-        let length = |[x, y, z]: [f64; 3]| x.hypot(y).hypot(z);
-        match self {
-            Field::VonMises => body.von_mises(node),
-            Field::Pressure => body.pressure(node),
-            Field::ContactPressure => body.contact_pressure[node],
-            Field::Displacement => length(body.displacement[node]),
-            Field::Velocity => length(body.velocity[node]),
-            Field::PlasticStrain => body.plastic_strain[node],
-            Field::Slip => body.contact_slip[node],
-            Field::Stress(component) => body.stress[node][component as usize],
-            Field::Acceleration => length(body.acceleration[node]),
-            Field::Point(index) => POINT_FIELDS[index].number(&body.at(node), frame),
-        }
+        self.of().size(body, node, frame)
     }
 }
 
@@ -151,6 +108,11 @@ impl Vectors {
         ("contact_force", "contact force", Vectors::ContactForce),
         ("contact_pressure", "contact pressure", Vectors::ContactPressure),
     ];
+
+    /// Field of the lengths of the vectors.
+    pub fn field(self) -> Option<Field> {
+        Vectors::ALL.iter().find(|row| row.2 == self).and_then(|row| Field::from_name(row.0))
+    }
 
     /// Name of the vector field in words.
     pub fn words(self) -> &'static str {

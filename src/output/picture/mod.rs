@@ -18,7 +18,7 @@ mod tests;
 
 pub use boundaries::picture_of_boundaries;
 pub use draw::{picture, sight};
-pub use field::{Component, Field, Vectors};
+pub use field::{Field, Vectors};
 pub use options::{Measure, Panel, PictureBounds, PictureOptions};
 pub use section::CutPlane;
 pub use view::{VIEWS, View};

@@ -17,6 +17,7 @@ use super::rows::{MEASURES, ROWS, measures};
 use super::tables::ReportTable;
 use crate::dynamics::{BodyDefinition, LedgerRow, PlacedObstacle};
 use crate::output::recording::{Skin, Still};
+use crate::output::still_fields::StillOptions;
 use crate::output::units::ListedUnits;
 
 /// Least time between two updates of a simulation's problem.
@@ -33,6 +34,8 @@ pub struct LiveModel {
     pub bodies: Vec<BodyDefinition>,
     /// Recorded nodes of each body.
     pub skins: Vec<Skin>,
+    /// Content of the stills.
+    pub shown: StillOptions,
     /// The different shapes of rigid obstacles.
     pub obstacles: Vec<PlacedObstacle>,
     /// Units of columns and fields; `None` where none are declared.
@@ -359,8 +362,8 @@ mod tests {
     use super::*;
 
     fn simulation(live: &Arc<LiveReport>) -> LiveSimulation {
-        let (contacts, bodies, skins, obstacles, marks) = Default::default();
-        let model = LiveModel { name: "a".into(), contacts, bodies, skins, obstacles, units: None, marks };
+        let (contacts, bodies, skins, shown, obstacles, marks) = Default::default();
+        let model = LiveModel { name: "a".into(), contacts, bodies, skins, shown, obstacles, units: None, marks };
         LiveSimulation::begin(live, model, vec!["step".into()])
     }
 

@@ -64,6 +64,7 @@ impl LiveReport {
             contacts: model.contacts.clone(),
             bodies: &model.bodies,
             skins: &model.skins,
+            shown: &model.shown,
             stills: &stills,
             obstacles: model.obstacles.clone(),
             units: model.units.clone(),
@@ -132,6 +133,6 @@ fn tell(answer: &mut Value, followed: &FollowedSimulation, known: u64) {
     let bytes: Vec<u8> = stills.added.iter().flat_map(|(_, still)| still.bytes()).copied().collect();
     answer["stills"] = json!({
         "left": stills.left, "numbers": stills.added.iter().map(|(number, _)| number).collect::<Vec<_>>(), "list": list.collect::<Vec<_>>(),
-        "bytes": blob(&bytes), "fields": fields(&followed.model.skins, &all), "pressing": pressing(&all),
+        "bytes": blob(&bytes), "fields": fields(&followed.model.skins, &all, &followed.model.shown), "pressing": pressing(&all),
     });
 }

@@ -14,8 +14,9 @@ use crate::dynamics::{BodyDefinition, PlacedObstacle};
 use crate::output::colormap::viridis;
 use crate::output::obstacle_surfaces::ObstacleSurface;
 use crate::output::obstacles::{Surroundings, Wall};
-use crate::output::picture::{Component, Field};
+use crate::output::picture::Field;
 use crate::output::recording::{Skin, Still};
+use crate::output::still_fields::StillOptions;
 use crate::output::units::{ListedUnits, pretty};
 
 /// Size of groups of stills that are compressed together `[bytes]`.
@@ -68,6 +69,8 @@ pub struct Report<'a> {
     pub bodies: &'a [BodyDefinition],
     /// Recorded nodes of each body.
     pub skins: &'a [Skin],
+    /// Content of the stills.
+    pub shown: &'a StillOptions,
     /// The stills, in the order of time.
     pub stills: &'a [&'a Still],
     /// The different shapes of rigid obstacles.
@@ -153,7 +156,8 @@ fn geometry(report: &Report) -> (Vec<u8>, Vec<Value>) {
         bodies.push(json!({
             "name": body.name, "nodes": surface.points.len(), "triangles": surface.triangles.len(), "edges": surface.edges.len(),
             "outline": surface.outline.len(), "tetrahedra": surface.tetrahedra.len(),
-            "cells": body.mesh.cell_count(), "numbered": is_numbered, "flows": skin.flows, "rigid": body.rigid.is_some(),
+            "cells": body.mesh.cell_count(), "numbered": is_numbered, "flows": skin.flows,
+            "further": skin.further_names(), "rigid": body.rigid.is_some(),
         }));
     }
     (bytes, bodies)
@@ -178,6 +182,8 @@ fn data(report: &Report, bodies: &[Value], chunks: &[usize]) -> Value {
         json!({ "time": still.time, "row": row, "obstacles": still.obstacles })
     });
     let scripts = report.scripts.iter().map(|(name, text)| json!({ "name": name, "text": text }));
+    let frame = report.shown.frame;
+    let frame = json!({ "center": frame.center, "axis": frame.axis, "direction": frame.direction });
     let kind = |path: &str| path.rsplit_once('.').map_or("", |(_, ending)| ending).to_string();
     let pictures = report.pictures.iter();
     let pictures = pictures.map(|picture| json!({ "path": picture.path, "kind": kind(&picture.path), "shown": picture.bytes.is_some() }));
@@ -188,33 +194,36 @@ fn data(report: &Report, bodies: &[Value], chunks: &[usize]) -> Value {
         "printed": report.printed, "pictures": pictures.collect::<Vec<_>>(), "marks": report.marks,
         "columns": report.columns.iter().map(|(name, _)| name).collect::<Vec<_>>(), "rows": report.rows.len(),
         "row_count": report.row_count, "contacts": report.contacts, "dimension": dimension, "bodies": bodies,
-        "fields": fields(report.skins, report.stills), "stills": stills.collect::<Vec<_>>(), "chunks": chunks,
+        "fields": fields(report.skins, report.stills, report.shown), "frame": frame, "stills": stills.collect::<Vec<_>>(), "chunks": chunks,
         "pressing": pressing(report.stills),
         "walls": report.obstacles.iter().map(wall).collect::<Vec<_>>(),
         "colors": (0..256).map(|k| viridis(f64::from(k) / 255.0).map(f64::round)).collect::<Vec<_>>(),
     })
 }
 
-/// Returns the fields by which a picture may be colored, with their ranges in all stills.
-pub fn fields(skins: &[Skin], stills: &[&Still]) -> Vec<Value> {
+/// Returns the fields by which a picture may be colored, the basic ones with their ranges in all stills.
+pub fn fields(skins: &[Skin], stills: &[&Still], shown: &StillOptions) -> Vec<Value> {
     let (in_space, flows) = (skins.iter().any(|skin| skin.dimension == 3), skins.iter().any(|skin| skin.flows));
-    let is_known = |field: Field| match field {
-        Field::Stress(Component::Yz | Component::Xz) => in_space,
-        Field::PlasticStrain => flows,
-        _ => true,
+    let is_known = |name: &str| match name {
+        "plastic_strain" => flows,
+        _ => in_space || !(name.ends_with("_yz") || name.ends_with("_xz")),
     };
-    let fields = Field::ALL.iter().enumerate().filter(|(_, (.., field))| is_known(*field));
-    let field_of = |(index, (name, words, field)): (usize, &(&str, &str, Field))| {
-        let ranges = stills.iter().map(|still| still.extremes[index]);
-        let [low, high] = ranges.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], [low, high]| [a.min(low), b.max(high)]);
-        json!({ "name": name, "words": words, "low": low, "high": high, "kinds": field.kinds() })
+    let basic = Field::BASIC.iter().enumerate().filter(|(_, name)| is_known(name));
+    let basic = basic.filter_map(|(index, name)| Some((Field::from_name(name)?, Some(index))));
+    // The page computes these from what is recorded, and their ranges when they are shown.
+    let is_offered = |field: &Field| {
+        let is_named = shown.fields.contains(field) || DERIVED.contains(&field.name());
+        is_named || field.further().is_some() && shown.keeps(*field) && !field.is_local()
     };
-    // The page computes these from the stress, and their ranges when they are shown.
-    let derived = DERIVED.iter().filter_map(|name| {
-        let words = Field::from_name(name)?.words();
-        Some(json!({ "name": name, "words": words, "low": null, "high": null, "kinds": [] }))
-    });
-    fields.map(field_of).chain(derived).collect()
+    let further = Field::all().into_iter().filter(|field| !Field::BASIC.contains(&field.name()) && is_known(field.name()));
+    let further = further.filter(is_offered).map(|field| (field, None));
+    let described = |(field, index): (Field, Option<usize>)| {
+        let ranges = stills.iter().filter_map(|still| Some(still.extremes[index?]));
+        let range = ranges.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], [low, high]| [a.min(low), b.max(high)]);
+        let [low, high] = if index.is_some() { range.map(Some) } else { [None; 2] };
+        json!({ "name": field.name(), "words": field.words(), "low": low, "high": high, "kinds": field.kinds() })
+    };
+    basic.chain(further).map(described).collect()
 }
 
 /// Returns the largest contact pressure vector in all stills.

@@ -13,9 +13,13 @@ use crate::bodies::Formulation;
 use crate::dynamics::{BodyDefinition, LedgerRow, Model, Options, Quantity, Simulation};
 use crate::integrators::ENERGY_MOMENTUM;
 use crate::materials::NeoHookean;
-use crate::output::Recording;
+use crate::output::{Recording, StillOptions};
 
 const EVIL: &str = "</script><script>alert(1)</script><!-- \u{2028} & \" ' {{data}}";
+
+fn four() -> StillOptions {
+    StillOptions { most: Some(4), ..StillOptions::default() }
+}
 
 fn model() -> Model {
     let mesh = crate::mesh::rectangle([2.0, 1.0], [4, 2], [0.0, 0.0]).unwrap();
@@ -28,7 +32,7 @@ fn model() -> Model {
 fn page() -> (String, Vec<LedgerRow>) {
     let model = model();
     let mut simulation = Simulation::new(&model, Options::new(&ENERGY_MOMENTUM, 0.1)).unwrap();
-    let mut recording = Recording::new(&model, Some(4), false);
+    let mut recording = Recording::new(&model, &four());
     let mut rows = vec![simulation.row().clone()];
     recording.begin(&simulation, 0);
     for _ in 0..9 {
@@ -56,6 +60,7 @@ fn page() -> (String, Vec<LedgerRow>) {
         contacts: Vec::new(),
         bodies: &model.bodies,
         skins: recording.bodies(),
+        shown: &StillOptions::default(),
         stills: &stills,
         obstacles: Vec::new(),
         units: None,
@@ -141,7 +146,7 @@ fn stills_are_the_motion_to_the_last_of_65535_parts() {
 fn a_recording_goes_on_from_its_copy_to_the_same_page() {
     let model = model();
     let mut simulation = Simulation::new(&model, Options::new(&ENERGY_MOMENTUM, 0.1)).unwrap();
-    let mut recording = Recording::new(&model, Some(4), false);
+    let mut recording = Recording::new(&model, &four());
     recording.begin(&simulation, 0);
     let mut copy = None;
     for row in 1..=13 {

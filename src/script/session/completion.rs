@@ -13,7 +13,7 @@ use super::cursor::{Cursor, Level, TextTokenKind};
 use super::help::topics;
 use crate::dynamics::LedgerRow;
 use crate::mesh::{MESH_ENDINGS, Mesh};
-use crate::output::{Field, VIEWS};
+use crate::output::{Field, SETS, Unit, VIEWS};
 use crate::script::api::meshes::handle::MeshHandle;
 use crate::script::api::models::handle::{BodyHandle, ModelHandle};
 use crate::script::api::simulations::handle::SimulationHandle;
@@ -327,6 +327,9 @@ impl Words<'_> {
                 };
                 simulations.iter().flat_map(|handle| handle.0.model.model.contact_names().into_iter().map(String::from)).collect()
             }
+            // The last parameter of `quantity` and `in_unit`, any of `units`.
+            "units" | "quantity" | "in_unit" => unit_names(written, function.name == "units"),
+            "result" if level.commas == 2 => unit_names(written, false),
             "picture" if level.commas > 0 => Field::names().into_iter().chain(VIEWS).map(String::from).collect(),
             // Columns are named by the axes, too.
             "plot" | "plot_curves" | "show"
@@ -456,6 +459,13 @@ fn script_function(signature: &str) -> Candidate {
     let name = signature.split('(').next().unwrap_or(signature);
     let text = if signature.ends_with("()") { signature.to_string() } else { format!("{name}(") };
     Candidate { text, display: signature.to_string() }
+}
+
+/// Units that may follow what is written of an expression of units, and the sets.
+fn unit_names(written: &str, with_sets: bool) -> Vec<String> {
+    let sets = SETS.iter().map(|(name, _)| name.to_string()).chain(["mm-N-t", "mm-kg-ms"].map(String::from)).filter(|_| with_sets);
+    let begun = written.rfind(['*', '/', '(', '-']).map_or("", |last| &written[..=last]);
+    sets.chain(Unit::names().into_iter().map(|name| format!("{begun}{name}"))).collect()
 }
 
 fn mesh_of(value: &Dynamic) -> Option<Arc<Mesh>> {

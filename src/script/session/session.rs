@@ -155,6 +155,11 @@ impl Session {
         Results::of(&self.host)
     }
 
+    /// Returns the units of the results that have one, by name.
+    pub fn result_units(&self) -> std::collections::BTreeMap<String, String> {
+        Results::units(&self.host)
+    }
+
     /// Begins with the results of an earlier process for the first computations of the script.
     ///
     /// # Errors

@@ -71,8 +71,8 @@ pub fn words() -> Vec<Word> {
         "1" => summary.to_string(),
         _ => format!("{summary} [{dimension}]"),
     };
-    for (name, words, field) in Field::ALL {
-        add(name, "field of a picture", with_dimension(words, field.dimension()));
+    for field in Field::all() {
+        add(field.name(), "field of a picture", with_dimension(field.words(), field.dimension()));
     }
     for Quantity { name, dimension } in LedgerRow::columns(3) {
         let summary = COLUMNS.iter().find(|(known, _)| *known == name).map_or("", |(_, summary)| summary);

@@ -132,7 +132,7 @@ pub struct Row {
 }
 
 /// Equation of a constraint: `A G_1 dq + B lambda + N lambda_n = r`, with the normal multiplier `lambda_n` beside a tangential constraint;
-/// in space `+ A' G'_1 dq + B' lambda'` of the other tangential constraint of its group.
+/// in space `+ A' G'_1 dq + B' lambda'` of each other tangential constraint of its group.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Equation {
     /// True if the multiplier may be nonzero.
@@ -143,8 +143,8 @@ pub struct Equation {
     pub diagonal: f64,
     /// Coefficient `N` of the normal multiplier.
     pub normal: f64,
-    /// Coefficients `A'` and `B'` of the other tangential constraint of the group.
-    pub beside: [f64; 2],
+    /// Coefficients `A'` and `B'` of the other tangential constraints of the group, from the next one on and around.
+    pub beside: [[f64; 2]; 2],
     /// Right side `r`.
     pub right: f64,
     /// Tangential compliance within the iteration: the state is that of the slip `u + compliance (lambda - lambda_k)`, with the multiplier
@@ -155,7 +155,7 @@ pub struct Equation {
 impl Equation {
     /// Equation `lambda = 0` of an inactive constraint.
     pub const OPEN: Equation =
-        Equation { acts: false, gradient: 0.0, diagonal: 1.0, normal: 0.0, beside: [0.0; 2], right: 0.0, compliance: 0.0 };
+        Equation { acts: false, gradient: 0.0, diagonal: 1.0, normal: 0.0, beside: [[0.0; 2]; 2], right: 0.0, compliance: 0.0 };
 
     /// Equation `G_1 dq + compliance lambda = right` of an active constraint.
     pub fn held(compliance: f64, right: f64) -> Equation {

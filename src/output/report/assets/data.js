@@ -35,7 +35,7 @@ const readBodies = async (data) => {
     return array;
   };
   return data.bodies.map((body) => ({
-    name: body.name, nodes: body.nodes, flows: body.flows,
+    name: body.name, nodes: body.nodes, flows: body.flows, further: body.further ?? [],
     points: next(Float32Array, 3 * body.nodes), triangles: next(Uint32Array, 3 * body.triangles),
     edges: next(Uint32Array, 2 * body.edges), outline: next(Uint32Array, 2 * body.outline), cells: next(Uint32Array, 4 * body.tetrahedra),
     // Numbers of the nodes in the mesh, of which only some are recorded.
@@ -54,6 +54,27 @@ const principal = (xx, yy, zz, xy, yz, xz) => {
   return [first, 3 * mean - first - last, last];
 };
 
+const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+const cross = (a, b) => [0, 1, 2].map((d) => a[(d + 1) % 3] * b[(d + 2) % 3] - a[(d + 2) % 3] * b[(d + 1) % 3]);
+const unit = (a) => a.map((component) => component / Math.hypot(...a));
+const times = ([xx, yy, zz, xy, yz, xz], [x, y, z]) => [xx * x + xy * y + xz * z, xy * x + yy * y + yz * z, xz * x + yz * y + zz * z];
+
+// The frame of local components: a direction, and radial, tangential and axial unit vectors at a place.
+const localFrame = ({ center, axis, direction } = { center: [0, 0, 0], axis: [0, 0, 1], direction: [1, 0, 0] }) => {
+  const along = unit(axis);
+  const axesAt = (place) => {
+    const arm = place.map((component, d) => component - center[d]), height = dot(along, arm);
+    let radial = arm.map((component, d) => component - height * along[d]);
+    if (!(Math.hypot(...radial) > Number.EPSILON * Math.hypot(...arm))) {
+      const least = along.map(Math.abs).indexOf(Math.min(...along.map(Math.abs)));
+      radial = cross(cross(along, [0, 1, 2].map((d) => Number(d === least))), along);
+    }
+    radial = unit(radial);
+    return [radial, cross(along, radial), along];
+  };
+  return { direction: unit(direction), axesAt };
+};
+
 // The stills of the run. Their bytes are unpacked chunk by chunk while the page is shown already, their numbers when they are asked for.
 class Film {
   constructor(data, bodies) {
@@ -69,10 +90,13 @@ class Film {
     }));
   }
 
-  // Numbers of a node: displacement, velocity, stress, and plastic strain where the body flows.
-  components({ flows }) {
-    return 2 * this.dimension + this.stresses + (flows ? 1 : 0);
+  // Numbers of a node: displacement, velocity, stress, plastic strain where the body flows, and further quantities.
+  components(body) {
+    return this.basic(body) + body.further.reduce((sum, [, count]) => sum + count, 0);
   }
+
+  // Those of every recording.
+  basic({ flows }) { return 2 * this.dimension + this.stresses + (flows ? 1 : 0); }
 
   // Unpacks all chunks; `ready` is called after each.
   async load(ready) {
@@ -168,10 +192,10 @@ class Film {
       slip.push(word >>> 30);
       pressure.push(view.getFloat32(at + 4 * count + 4 * i * (1 + this.dimension), true));
     }
-    return this.fieldOf(name, body, { values, touching, slip, pressure }, [0])[0];
+    return this.fieldOf(name, body, { values, touching, slip, pressure }, [0], node)[0];
   }
 
-  // Least and greatest value of a field in all stills; of fields that follow from the stress they are found when they are asked for.
+  // Least and greatest value of a field in all stills; of fields that are not basic they are found when they are asked for.
   range(field) {
     if (field.low !== null) return [field.low, field.high];
     const before = this.at;
@@ -187,7 +211,41 @@ class Film {
     return [low, high];
   }
 
-  fieldOf(name, body, { values, touching, slip, pressure }, out) {
+  // Components of a recorded quantity: the stress, or a further one by its name; nothing where it is not recorded.
+  quantity(name, body, values) {
+    if (name === "stress") return values.slice(2 * this.dimension, 2 * this.dimension + this.stresses);
+    let at = this.basic(this.bodies[body]);
+    for (const [other, count] of this.bodies[body].further) {
+      if (other === name) return values.slice(at, at + count);
+      at += count;
+    }
+    return null;
+  }
+
+  // Values that follow from a symmetric tensor at each node; `out` begins at the node `first`.
+  ofTensors(name, body, values, out, first) {
+    const isStrain = name.includes("strain"), tensors = this.quantity(isStrain ? "strain" : "stress", body, values);
+    if (!tensors) return out.fill(NaN);
+    const end = name.slice(name.lastIndexOf("_") + 1), { points } = this.bodies[body], frame = localFrame(this.data.frame), D = this.dimension;
+    for (let i = 0; i < out.length; i += 1) {
+      const [xx, yy, zz, xy, yz = 0, xz = 0] = tensors.map((component) => component[i]), tensor = [xx, yy, zz, xy, yz, xz];
+      // Strains belong to the undeformed body.
+      const place = () => [0, 1, 2].map((d) => points[3 * (first + i) + d] + (isStrain || d >= D ? 0 : values[d][i]));
+      if (name === "tresca" || name.startsWith("principal_")) {
+        const all = principal(...tensor);
+        out[i] = name === "tresca" ? all[0] - all[2] : all[Number(end) - 1];
+      } else if (name === "traction") out[i] = Math.hypot(...times(tensor, frame.direction));
+      else if (end === "along") out[i] = dot(frame.direction, times(tensor, frame.direction));
+      else if ("rta".includes(end[0])) {
+        const axes = frame.axesAt(place());
+        out[i] = dot(axes["rta".indexOf(end[0])], times(tensor, axes["rta".indexOf(end[1])]));
+      } else out[i] = tensor[["xx", "yy", "zz", "xy", "yz", "xz"].indexOf(end)];
+    }
+    return out;
+  }
+
+  fieldOf(name, body, { values, touching, slip, pressure }, out, first = 0) {
+    const further = this.quantity(name, body, values);
     const D = this.dimension, S = values.slice(2 * D), count = out.length;
     const length = (vector) => {
       for (let i = 0; i < count; i += 1) out[i] = vector.length === 2 ? Math.hypot(vector[0][i], vector[1][i]) : Math.hypot(vector[0][i], vector[1][i], vector[2][i]);
@@ -211,16 +269,10 @@ class Film {
         if (D === 3) shear += S[4][i] * S[4][i] + S[5][i] * S[5][i];
         out[i] = Math.sqrt(0.5 * (a * a + b * b + c * c) + 3 * shear);
       }
-    } else if (name === "tresca" || name.startsWith("principal_")) {
-      const zero = new Float32Array(D === 3 ? 0 : count);
-      for (let i = 0; i < count; i += 1) {
-        const all = principal(S[0][i], S[1][i], S[2][i], S[3][i], (S[4] && D === 3 ? S[4] : zero)[i], (S[5] && D === 3 ? S[5] : zero)[i]);
-        out[i] = name === "tresca" ? all[0] - all[2] : all[Number(name.slice(-1)) - 1];
-      }
-    } else {
-      const stress = S[["stress_xx", "stress_yy", "stress_zz", "stress_xy", "stress_yz", "stress_xz"].indexOf(name)];
-      for (let i = 0; i < count; i += 1) out[i] = stress[i];
-    }
+    } else if (further) {
+      if (further.length > 1) length(further);
+      else for (let i = 0; i < count; i += 1) out[i] = further[0][i];
+    } else return this.ofTensors(name, body, values, out, first);
     return out;
   }
 }

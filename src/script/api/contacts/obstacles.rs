@@ -73,8 +73,10 @@ fn motion_parameter(moves: Moves) -> Parameter {
     if let Some(angle) = about {
         components.push(Parameter::new("angle", Kind::Amplitude, angle).of("rad").or(Absent::Means("none")));
     }
-    let summary =
-        if about.is_some() { "how the obstacle moves over time" } else { "how the obstacle is displaced over time; it does not turn" };
+    let summary = match about {
+        Some(_) => "how the obstacle moves over time",
+        None => "how the obstacle is displaced over time; what turns is a rigid body with a joint whose `drive` is the angle",
+    };
     Parameter::new("motion", Kind::Options(components), summary).or(Absent::Means("at rest"))
 }
 

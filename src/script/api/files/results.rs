@@ -1,10 +1,13 @@
 //! `result(name, value)`: results of a script, for the summary of the run and the table of a study.
 
 use std::cell::RefCell;
+use std::collections::BTreeMap;
 
 use rhai::{Array, Dynamic};
 use serde_json::Value;
 
+use crate::output::{Dimension, Unit};
+use crate::script::api::units::{DeclaredUnits, refused_unit};
 use crate::script::language::arguments::Arguments;
 use crate::script::language::causes;
 use crate::script::language::diagnostics::Diagnostic;
@@ -12,22 +15,35 @@ use crate::script::language::digits::number_text;
 use crate::script::language::failure::Failure;
 use crate::script::language::function::{Call, Form, Function, Topic, body};
 use crate::script::language::host::Host;
-use crate::script::language::parameter::{Kind, Parameter};
+use crate::script::language::parameter::{Absent, Kind, Parameter};
 use crate::script::language::scan::Target;
 use crate::script::language::values::{as_number, describe};
 
 /// Results of the script, in the order in which they were first named.
 #[derive(Default)]
-pub struct Results(RefCell<Vec<(String, Value)>>);
+pub struct Results {
+    named: RefCell<Vec<(String, Value)>>,
+    units: RefCell<BTreeMap<String, String>>,
+}
 
 impl Results {
     /// Returns the results of a session.
     pub fn of(host: &Host) -> Vec<(String, Value)> {
-        host.slots.get::<Results>().0.borrow().clone()
+        host.slots.get::<Results>().named.borrow().clone()
     }
 
-    fn note(&self, name: &str, value: Value) {
-        let mut all = self.0.borrow_mut();
+    /// Returns the units of the results that have one, by name.
+    pub fn units(host: &Host) -> BTreeMap<String, String> {
+        host.slots.get::<Results>().units.borrow().clone()
+    }
+
+    fn note(&self, name: &str, value: Value, unit: String) {
+        let mut units = self.units.borrow_mut();
+        units.remove(name);
+        if !unit.is_empty() {
+            units.insert(name.to_string(), unit);
+        }
+        let mut all = self.named.borrow_mut();
         match all.iter_mut().find(|(known, _)| known == name) {
             Some((_, known)) => *known = value,
             None => all.push((name.to_string(), value)),
@@ -50,10 +66,17 @@ pub fn result() -> Function {
                 "the result's name, with its unit if that helps; a further value of the same name replaces it",
             ),
             Parameter::new("value", Kind::Any, "a number, a text, `true` or `false`, or an array of these"),
+            Parameter::new(
+                "unit",
+                Kind::Text,
+                "its unit, such as `\"MPa\"`, or its dimension, such as `\"stress\"` or `\"force / length\"`, whose unit is that of \
+                 `units`: tables, pages and files of runs and studies name it",
+            )
+            .or(Absent::Means("no unit is named")),
         ],
         returns: "",
-        example: "let peak = max([0.2, 0.7, 0.4]);\nresult(\"peak pressure\", peak);".into(),
-        see_also: &["param"],
+        example: "let peak = max([0.2, 0.7, 0.4]);\nresult(\"peak pressure\", peak, \"MPa\");".into(),
+        see_also: &["param", "units"],
         body: body(|call| {
             let (name, value) = (call.name("name")?, call.argument("value"));
             if name.trim().is_empty() {
@@ -67,9 +90,27 @@ pub fn result() -> Function {
                     Diagnostic::warning(title, call.place(&Target::Call)).code("C1053").cause("tables of studies have it as a text");
                 call.host.warn(warning.hint("look for a division by zero, or for a column that has no value yet"));
             }
-            call.host.slots.get::<Results>().note(&name, plain);
+            call.host.slots.get::<Results>().note(&name, plain, unit_of(call)?);
             Ok(Dynamic::UNIT)
         }),
+    }
+}
+
+/// Unit in which a result is; empty where none is given, or where that of a dimension is not declared.
+fn unit_of(call: &Call) -> Result<String, Failure> {
+    let argument = call.argument("unit");
+    if !argument.is_given() {
+        return Ok(String::new());
+    }
+    let text = argument.text()?;
+    if Dimension::parse(&text).is_some() {
+        return Ok(DeclaredUnits::set(call.host).map_or(String::new(), |set| set.unit(&text)));
+    }
+    match Unit::parse(&text) {
+        Ok(_) => Ok(text),
+        Err(error) => {
+            Err(refused_unit(argument.fail(format!("{} cannot be \"{text}\": {error}", argument.title())).code(causes::WRONG_TYPE), &error))
+        }
     }
 }
 
@@ -110,9 +151,10 @@ mod tests {
     fn values_keep_their_kinds_and_first_places() {
         let results = Results::default();
         for (name, value) in [("b", Dynamic::from(1_i64)), ("a", 0.5.into()), ("b", f64::NAN.into())] {
-            results.note(name, plain(&value).unwrap());
+            results.note(name, plain(&value).unwrap(), if name == "a" { "mm".into() } else { String::new() });
         }
-        assert_eq!(*results.0.borrow(), [("b".into(), Value::from("NaN")), ("a".into(), Value::from(0.5))]);
+        assert_eq!(*results.units.borrow(), BTreeMap::from([("a".to_string(), "mm".to_string())]));
+        assert_eq!(*results.named.borrow(), [("b".into(), Value::from("NaN")), ("a".into(), Value::from(0.5))]);
         let array: Array = vec![true.into(), "word".into(), Dynamic::from(2_i64)];
         assert_eq!(plain(&array.into()).unwrap().to_string(), "[true,\"word\",2]");
         assert!(plain(&Dynamic::UNIT).is_none());

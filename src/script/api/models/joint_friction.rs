@@ -14,12 +14,17 @@ pub fn friction_options() -> Vec<Parameter> {
             "friction",
             "1",
             Interval::NonNegative,
-            "the coefficient of dry friction: of a slider or a slot times the reaction across its line, of a hinge (in the plane `point`) \
-             times the reaction across its axis and `radius`",
+            "the coefficient of dry friction: of a slider or a slot times the reaction across its line, of a hinge or a `point` times the \
+             reaction and `radius`, of a link or a cable times `preload`",
         )
         .or(Absent::Means("no friction by the reaction")),
-        Parameter::number("radius", "length", Interval::Positive, "the radius of the bearing at which a hinge with `friction` rubs")
-            .or(Absent::Means("the joint has no angle, or no `friction`")),
+        Parameter::number(
+            "radius",
+            "length",
+            Interval::Positive,
+            "the radius of the bearing or ball at which a hinge or `point` with `friction` rubs",
+        )
+        .or(Absent::Means("the joint does not turn, or has no `friction`")),
         Parameter::number(
             "preload",
             "force",
@@ -31,15 +36,15 @@ pub fn friction_options() -> Vec<Parameter> {
             "friction_moment",
             "force * length",
             Interval::NonNegative,
-            "the constant dry friction of a hinge (in the plane `point`), whatever the reaction: a seal, `frictionloss` of MuJoCo, the \
-             friction torque preload of Adams",
+            "the constant dry friction of a hinge or a `point`, whatever the reaction, in space about any axis: a seal, `frictionloss` of \
+             MuJoCo, the friction torque preload of Adams",
         )
         .or(Absent::Number(0.0)),
         Parameter::number(
             "friction_force",
             "force",
             Interval::NonNegative,
-            "the constant dry friction of a slider or a slot, whatever the reaction",
+            "the constant dry friction of a slider or a slot, and along a cable or a link with `limits` or `drive`, whatever the reaction",
         )
         .or(Absent::Number(0.0)),
     ]
@@ -55,17 +60,17 @@ pub fn friction_of(options: &Options, joint: &JointDefinition, dimension: usize)
         let argument = options.argument(key);
         Err(argument.fail(format!("{} {why}", argument.title())).hint(hint))
     };
-    let is_angle = joint.kind.coordinate(dimension) == Some(Coordinate::Angle);
+    let rotates = joint.kind.rotates(dimension);
     let kind = joint.kind.name();
-    match (is_angle, joint.kind.coordinate(dimension)) {
+    match (rotates, joint.kind.coordinate(dimension)) {
         (true, _) if given("friction_force") => {
             return refused("friction_force", format!("is that of a travel, and a {kind} turns"), "give `friction_moment`");
         }
-        (false, Some(Coordinate::Travel)) if given("friction_moment") => {
+        (false, Some(Coordinate::Travel | Coordinate::Distance)) if given("friction_moment") => {
             return refused("friction_moment", format!("is that of an angle, and a {kind} moves along a line"), "give `friction_force`");
         }
         (false, _) if given("radius") => {
-            return refused("radius", format!("has no meaning for a {kind}"), "leave it out: hinges have a radius");
+            return refused("radius", format!("has no meaning for a {kind}"), "leave it out: hinges and balls have a radius");
         }
         _ => {}
     }
@@ -76,7 +81,7 @@ pub fn friction_of(options: &Options, joint: &JointDefinition, dimension: usize)
         preload: number("preload")?,
         constant: number("friction_moment")? + number("friction_force")?,
     };
-    if is_angle && friction.coefficient > 0.0 && !given("radius") {
+    if rotates && friction.coefficient > 0.0 && !given("radius") {
         let hint = "give the radius of the bearing, such as `radius: 0.01`; a friction moment that does not depend on the force is \
                     `friction_moment`";
         return refused("friction", "needs `radius`: the force rubs at the radius of the bearing".into(), hint);

@@ -12,7 +12,7 @@ use crate::dynamics::{LedgerRow, Model, Partner, Quantity, Rows, Simulation};
 use crate::math::tolerances::SAME_MOMENT;
 use crate::output::{
     FieldSeries, FieldWriter, Frame, History, HistoryCsv, ListedUnits, LiveSimulation, ModelUnits, OutputError, Recording, RunFiles, Still,
-    Surroundings, UNITS_FILE,
+    StillOptions, Surroundings, UNITS_FILE,
 };
 use crate::script::api::files::failures::output_failure;
 use crate::script::api::files::run_folder::RunFolder;
@@ -20,15 +20,13 @@ use crate::script::language::digits::brief;
 use crate::script::language::failure::Failure;
 use crate::script::language::host::Host;
 
-/// Intervals and limits of the frames and stills that are kept of a run.
-#[derive(Clone, Copy)]
+/// Frames and stills that are kept of a run.
+#[derive(Clone)]
 pub struct RecordingLimits {
     /// Time between two frames of the fields.
     pub fields_every: Option<f64>,
-    /// Largest number of stills of the recording.
-    pub stills: Option<usize>,
-    /// True if stills include the inside of bodies in space.
-    pub stills_inside: bool,
+    /// Content of the recording.
+    pub stills: StillOptions,
 }
 
 /// Columns of probes at the start of a simulation, and the units of its results.
@@ -78,7 +76,7 @@ impl Artifacts {
         host: &Host,
         name: Option<&str>,
         model: &Model,
-        keeping: RecordingLimits,
+        keeping: &RecordingLimits,
         row: &LedgerRow,
         further: Columns,
         start: Start,
@@ -105,8 +103,7 @@ impl Artifacts {
             let series = FieldWriter::new(open(&files, "fields.pvd")?).in_units(units.as_ref().map(|(units, _)| units.clone()));
             let obstacles = obstacle_series(&files, model, open)?;
             let contacts = if has_surfaces(model) { Some(open(&files, "contacts.pvd")?) } else { None };
-            let (recording, every, model) =
-                (Recording::new(model, keeping.stills, keeping.stills_inside), keeping.fields_every, model.clone());
+            let (recording, every, model) = (Recording::new(model, &keeping.stills), keeping.fields_every, model.clone());
             let (live, spent) = (None, begun.elapsed());
             let made = Artifacts { files, csv, series, obstacles, contacts, recording, live, model, every, recalls, spent, units };
             made.write_units()?;

@@ -5,10 +5,10 @@ use std::rc::Rc;
 use rhai::{Array, Dynamic, Map};
 
 use super::handle::SimulationHandle;
+use super::told::ScriptOutput;
 use crate::dynamics::{ContactFields, CyclingNode, FailureCause};
 use crate::script::api::examples::contact_example;
 use crate::script::language::arguments::Arguments;
-use crate::script::language::digits::{brief, brief_vector};
 use crate::script::language::function::{Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
 use crate::script::language::parameter::{Kind, Parameter};
@@ -22,6 +22,7 @@ pub struct ContactHandle {
     fields: Rc<ContactFields>,
     /// Nodes whose contact state cycled in the failed step.
     cycling: Vec<CyclingNode>,
+    told: ScriptOutput,
 }
 
 impl Handle for ContactHandle {
@@ -38,10 +39,10 @@ impl Handle for ContactHandle {
         format!(
             "contact \"{}\" at t = {}: {active} of {} nodes active{sliding}, largest pressure {}, force {}{cycling}",
             self.name,
-            brief(self.time),
+            self.told.number(self.time, "time"),
             self.fields.active.len(),
-            brief(largest),
-            brief_vector(&self.fields.force[..self.dimension])
+            self.told.number(largest, "stress"),
+            self.told.vector(&self.fields.force[..self.dimension], "force")
         )
     }
 }
@@ -145,9 +146,14 @@ fn contact() -> Function {
                 (simulation.contact(&name), simulation.time(), simulation.dimension(), cycling)
             })?;
             match found {
-                (Some(fields), time, dimension, cycling) => {
-                    Ok(Dynamic::from(ContactHandle { name, time, dimension, fields: Rc::new(fields), cycling }))
-                }
+                (Some(fields), time, dimension, cycling) => Ok(Dynamic::from(ContactHandle {
+                    name,
+                    time,
+                    dimension,
+                    fields: Rc::new(fields),
+                    cycling,
+                    told: ScriptOutput::of(&handle),
+                })),
                 (None, ..) => {
                     let names = handle.0.model.model.contact_names();
                     Err(argument.unknown_name(format!("there is no contact \"{name}\""), &name, &names).into())

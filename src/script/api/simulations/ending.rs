@@ -110,6 +110,7 @@ fn common(host: &Host, outcome: &str) -> Summary {
         script: host.main.borrow().clone(),
         parameters: host.slots.get::<Overrides>().parameters().into_iter().map(|(name, value)| (name, json(&value))).collect(),
         results: Results::of(host),
+        result_units: Results::units(host),
         version: env!("CARGO_PKG_VERSION").into(),
         outcome: outcome.into(),
         ..Summary::default()

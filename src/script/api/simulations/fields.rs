@@ -6,51 +6,25 @@ use rhai::{Array, Dynamic, Map};
 
 use super::handle::SimulationHandle;
 use super::local_frames::{Geometry, frame_of, frame_parameters};
-use crate::dynamics::{BodyFields, BodyTotals, CellPlaces, CellStress, LocalFrame, POINT_FIELDS, PointField, PointValue};
+use super::told::ScriptOutput;
+use crate::dynamics::{
+    BodyFields, BodyTotals, CellPlaces, CellStress, LocalFrame, NODE_FIELDS, NodeField, NodeValue, PointField, PointValue,
+};
 use crate::script::api::examples::flight_example;
 use crate::script::api::models::handle::BodyHandle;
 use crate::script::language::arguments::Arguments;
 use crate::script::language::causes;
-use crate::script::language::digits::{brief, brief_vector};
 use crate::script::language::failure::Failure;
 use crate::script::language::function::{Call, Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
 use crate::script::language::parameter::{Absent, Kind, Parameter};
 
-/// Value of a field, by the places where it is available.
-#[derive(Clone, Copy)]
-enum Value {
-    /// A number at each node.
-    Number(fn(&BodyFields, usize) -> f64),
-    /// A vector at each node.
-    Vector(fn(&BodyFields, usize) -> [f64; 3]),
-    /// The position of each node, or place inside of a cell.
-    Position,
-    /// A field that follows from stress, strain and history variables, at nodes and inside of cells.
-    Point(&'static PointField),
-}
-
-/// Fields of nodes by their names; those of points are behind them ([`POINT_FIELDS`]).
-static NODAL: &[(&str, Value)] = &[
-    ("position", Value::Position),
-    ("displacement", Value::Vector(|body, node| body.displacement[node])),
-    ("velocity", Value::Vector(|body, node| body.velocity[node])),
-    ("acceleration", Value::Vector(|body, node| body.acceleration[node])),
-    ("contact_force", Value::Vector(|body, node| body.contact_force[node])),
-    ("contact_pressure", Value::Number(|body, node| body.contact_pressure[node])),
-    ("contact_gap", Value::Number(|body, node| body.contact_gap[node])),
-    ("contact_state", Value::Number(|body, node| body.contact_state[node])),
-    ("stress_error", Value::Number(|body, node| body.stress_error[node])),
-];
-
 /// Names of all fields.
-static NAMES: LazyLock<Vec<&str>> =
-    LazyLock::new(|| NODAL.iter().map(|row| row.0).chain(POINT_FIELDS.iter().map(|field| field.name)).collect());
+static NAMES: LazyLock<Vec<&str>> = LazyLock::new(|| NODE_FIELDS.iter().map(|field| field.name).collect());
 
-/// Field with a name of [`NAMES`].
-fn named(name: &str) -> Value {
-    let of_points = || POINT_FIELDS.iter().find(|field| field.name == name).map(Value::Point);
-    NODAL.iter().find(|row| row.0 == name).map(|row| row.1).or_else(of_points).unwrap_or(Value::Position)
+/// The field with a name of [`NAMES`]; the position for any other name.
+fn named(name: &str) -> &'static NodeField {
+    NODE_FIELDS.iter().find(|field| field.name == name).unwrap_or(&NODE_FIELDS[0])
 }
 
 /// Places of values by their names in scripts.
@@ -72,25 +46,22 @@ impl Chosen {
     }
 }
 
-impl Value {
-    fn at_nodes(self, body: &BodyFields, frame: &LocalFrame) -> Chosen {
-        let placed = |node: usize| body.position(node);
-        let nodes = 0..body.displacement.len();
-        match self {
-            Value::Number(read) => Chosen::Numbers(nodes.map(|node| (placed(node), read(body, node))).collect()),
-            Value::Vector(read) => Chosen::Vectors(nodes.map(|node| (placed(node), read(body, node))).collect()),
-            Value::Position => Chosen::Vectors(nodes.map(|node| (placed(node), placed(node))).collect()),
-            Value::Point(field) => of_points(field, nodes.map(|node| body.at(node)), frame),
-        }
+fn at_nodes(field: &NodeField, body: &BodyFields, frame: &LocalFrame) -> Chosen {
+    let placed = |node: usize| body.position(node);
+    let nodes = 0..body.displacement.len();
+    match field.value {
+        NodeValue::Number(read) => Chosen::Numbers(nodes.map(|node| (placed(node), read(body, node))).collect()),
+        NodeValue::Vector(read) => Chosen::Vectors(nodes.map(|node| (placed(node), read(body, node))).collect()),
+        NodeValue::Point(field) => of_points(field, nodes.map(|node| body.at(node)), frame),
     }
+}
 
-    /// Returns the values inside of cells, where available.
-    fn in_cells(self, cells: &[CellStress], frame: &LocalFrame) -> Option<Chosen> {
-        match self {
-            Value::Point(field) => Some(of_points(field, cells.iter().copied(), frame)),
-            Value::Position => Some(Chosen::Vectors(cells.iter().map(|cell| (cell.position, cell.position)).collect())),
-            Value::Number(_) | Value::Vector(_) => None,
-        }
+/// Returns the values inside of cells, where available.
+fn in_cells(field: &NodeField, cells: &[CellStress], frame: &LocalFrame) -> Option<Chosen> {
+    match field.value {
+        NodeValue::Point(field) => Some(of_points(field, cells.iter().copied(), frame)),
+        _ if field.name == "position" => Some(Chosen::Vectors(cells.iter().map(|cell| (cell.position, cell.position)).collect())),
+        NodeValue::Number(_) | NodeValue::Vector(_) => None,
     }
 }
 
@@ -106,7 +77,7 @@ pub(super) fn at_shares(name: &str, body: &BodyFields, frame: &LocalFrame, point
     let sum = |shares: &Option<Vec<(u32, f64)>>, read: &dyn Fn(usize) -> f64| {
         shares.as_ref().map_or(f64::NAN, |shares| shares.iter().map(|&(node, share)| share * read(node as usize)).sum())
     };
-    match named(name).at_nodes(body, frame) {
+    match at_nodes(named(name), body, frame) {
         Chosen::Numbers(numbers) => points.iter().map(|point| sum(point, &|node| numbers[node].1).into()).collect(),
         Chosen::Vectors(vectors) => {
             let at = |point| -> [f64; 3] { std::array::from_fn(|i| sum(point, &|node| vectors[node].1[i])) };
@@ -238,11 +209,11 @@ fn parameters() -> Vec<Parameter> {
 fn chosen(call: &Call) -> Result<Chosen, Failure> {
     let (handle, name, options) = (call.receiver::<SimulationHandle>(), call.text("name")?, call.options("options")?);
     let (index, at) = (handle.body_index(call)?, options.text("at")?);
-    let (value, frame) = (named(&name), frame_of(&options, Geometry::of(&handle.0.model.model))?);
+    let (field, frame) = (named(&name), frame_of(&options, Geometry::of(&handle.0.model.model))?);
     let Some(places) = PLACES.iter().find(|row| row.0 == at).and_then(|row| row.1) else {
-        return handle.with(call, |simulation| value.at_nodes(&simulation.fields()[index], &frame));
+        return handle.with(call, |simulation| at_nodes(field, &simulation.fields()[index], &frame));
     };
-    handle.with(call, |simulation| value.in_cells(&simulation.cell_stresses(index, places), &frame))?.ok_or_else(|| {
+    handle.with(call, |simulation| in_cells(field, &simulation.cell_stresses(index, places), &frame))?.ok_or_else(|| {
         let failure = options.argument("at").fail(format!("\"{name}\" is a field of the nodes")).code(causes::BODY_KIND);
         failure.hint("inside of cells there are stresses, strains, what follows from them, and `position`")
     })
@@ -255,6 +226,7 @@ pub struct BodyStateHandle {
     time: f64,
     dimension: usize,
     totals: BodyTotals,
+    told: ScriptOutput,
 }
 
 impl Handle for BodyStateHandle {
@@ -262,17 +234,18 @@ impl Handle for BodyStateHandle {
     const MAKER: &'static str = "take one of a simulation: `sim.body(body)`";
 
     fn describe(&self) -> String {
-        let BodyStateHandle { name, time, dimension, totals } = self;
+        let BodyStateHandle { name, time, dimension, totals, told } = self;
         let turning = match dimension {
-            2 => brief(totals.angular_momentum[2]),
-            _ => brief_vector(&totals.angular_momentum),
+            2 => told.number(totals.angular_momentum[2], "mass * length * velocity"),
+            _ => told.vector(&totals.angular_momentum, "mass * length * velocity"),
         };
-        let [kinetic, strain, potential] = [totals.kinetic, totals.strain, totals.potential].map(brief);
-        let [center, momentum] = [&totals.center, &totals.momentum].map(|values| brief_vector(&values[..*dimension]));
+        let [kinetic, strain, potential] = [totals.kinetic, totals.strain, totals.potential].map(|energy| told.number(energy, "energy"));
+        let (center, momentum) =
+            (told.vector(&totals.center[..*dimension], "length"), told.vector(&totals.momentum[..*dimension], "mass * velocity"));
         format!(
             "body \"{name}\" at t = {}: center {center}\n  energy: kinetic {kinetic}, strain {strain}, potential {potential}\n  \
              momentum {momentum}, angular momentum {turning}",
-            brief(*time)
+            told.number(*time, "time")
         )
     }
 }
@@ -296,6 +269,7 @@ fn body_state() -> Function {
                 time: simulation.time(),
                 dimension: simulation.dimension(),
                 totals: simulation.body(index),
+                told: ScriptOutput::of(&handle),
             })?;
             Ok(Dynamic::from(state))
         }),

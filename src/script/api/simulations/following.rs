@@ -21,6 +21,7 @@ pub fn begin(host: &Host, handle: &SimulationHandle) {
         units: data.listed_units(),
         marks: marks(model, &skins),
         skins,
+        shown: data.keeping.stills.clone(),
     };
     let columns = names(history_columns(model, &data.probes.borrow()));
     artifacts.show_to(LiveSimulation::begin(live, shown, columns), &data.history.borrow());

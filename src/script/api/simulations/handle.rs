@@ -130,7 +130,12 @@ impl Handle for SimulationHandle {
         let energies = [row.total(), row.kinetic, row.strain, row.potential].map(|energy| told(energy, "energy"));
         let mut lines = vec![
             format!("simulation \"{}\" at t = {}, step {}", data.name, told(row.time, "time"), row.step),
-            format!("  {}, dt = {}, {} unknowns", title(&options.integrator), step_size(options), simulation.unknowns()),
+            format!(
+                "  {}, dt = {}, {} unknowns",
+                title(&options.integrator),
+                step_size(options, |dt| data.told(dt, "time")),
+                simulation.unknowns()
+            ),
             format!("  energy {}: kinetic {}, strain {}, potential {}", energies[0], energies[1], energies[2], energies[3]),
             format!(
                 "  momentum {}, angular momentum {}",

@@ -3,11 +3,11 @@
 use rhai::{Array, Dynamic};
 
 use super::handle::SimulationHandle;
+use super::told::ScriptOutput;
 use crate::dynamics::{JointFrictionLoad, JointLoad};
 use crate::script::api::examples::plate_example;
 use crate::script::language::arguments::Arguments;
 use crate::script::language::causes;
-use crate::script::language::digits::{brief, brief_vector};
 use crate::script::language::function::{Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
 use crate::script::language::parameter::{Kind, Parameter};
@@ -21,6 +21,7 @@ pub struct JointHandle {
     acting: f64,
     dimension: usize,
     load: JointLoad,
+    told: ScriptOutput,
 }
 
 impl JointHandle {
@@ -38,9 +39,10 @@ impl Handle for JointHandle {
     const MAKER: &'static str = "take one of a simulation: `sim.joint(name)`";
 
     fn describe(&self) -> String {
-        let [place, force] = [self.load.place, self.load.force].map(|vector| brief_vector(&vector[..self.dimension]));
-        let moment = if self.dimension == 2 { brief(self.load.moment[2]) } else { brief_vector(&self.load.moment) };
-        format!("joint \"{}\" at {place}, t = {}: force {force}, moment {moment}", self.name, brief(self.time))
+        let JointHandle { name, time, dimension, load, told, .. } = self;
+        let (place, force) = (told.vector(&load.place[..*dimension], "length"), told.vector(&load.force[..*dimension], "force"));
+        let (time, moment) = (told.number(*time, "time"), told.moment(&load.moment, *dimension));
+        format!("joint \"{name}\" at {place}, t = {time}: force {force}, moment {moment}")
     }
 }
 
@@ -67,7 +69,8 @@ pub fn functions() -> Vec<Function> {
         work(),
         rubbed(
             "friction",
-            "friction of the joint on `from` along its angle or travel, a mean over the last step: a moment or a force",
+            "friction of the joint on `from` along its angle, travel or distance, a mean over the last step: a moment or a force; of a \
+             ball joint the size of the moment",
             |of| of.force,
         ),
         rubbed(
@@ -180,7 +183,7 @@ fn joint() -> Function {
                 return Err(call.fail(format!("nothing is known of joint \"{name}\"")).code(causes::NO_SUCH).hint("take a step").into());
             };
             let acting = handle.0.script_time(load.time);
-            Ok(Dynamic::from(JointHandle { name, time, acting, dimension, load }))
+            Ok(Dynamic::from(JointHandle { name, time, acting, dimension, load, told: ScriptOutput::of(&handle) }))
         }),
     }
 }

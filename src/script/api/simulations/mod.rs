@@ -44,8 +44,10 @@ pub mod statics;
 pub mod step_control;
 pub mod step_failures;
 pub mod stepping;
+mod stills;
 pub mod stop_after;
 pub mod tables;
+mod told;
 pub mod warnings;
 pub mod writing;
 

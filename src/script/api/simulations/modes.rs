@@ -126,8 +126,8 @@ impl ModesHandle {
         if !options.argument("vector_unit").is_given() {
             shown.vectors.iter_mut().for_each(|(_, unit)| unit.clear());
         }
-        if !options.argument("field").is_given() {
-            shown.panels.iter_mut().for_each(|panel| panel.field = Field::Displacement);
+        if let Some(displacement) = Field::from_name("displacement").filter(|_| !options.argument("field").is_given()) {
+            shown.panels.iter_mut().for_each(|panel| panel.field = displacement);
         }
         let argument = options.argument("deflection");
         let extent = |i: usize| {
@@ -448,7 +448,7 @@ fn movie_function() -> Function {
                 let at = |index: usize| modes.moved(mode, deflection * (TAU * index as f64 / PICTURES as f64).cos());
                 let extremes = [0, PICTURES / 2].map(|index| sight(&at(index), &modes.0.obstacles, &shown));
                 shown.sight = extremes.into_iter().reduce(PictureBounds::with);
-                for panel in shown.panels.iter_mut().filter(|panel| panel.field == Field::Displacement) {
+                for panel in shown.panels.iter_mut().filter(|panel| panel.field.name() == "displacement") {
                     panel.range = panel.range.or(Some([0.0, deflection]));
                 }
                 let draw = |index: usize| picture(&at(index), &modes.0.obstacles, &shown);

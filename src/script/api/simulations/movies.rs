@@ -38,18 +38,21 @@ pub(super) fn movie_function() -> Function {
             let title = options.argument("title");
             let title = if title.is_given() { Some(title.text()?) } else { None };
             let shown = shown(&options, &handle.0)?;
-            if shown.section.is_some() && !handle.0.keeping.stills_inside {
+            if shown.section.is_some() && !handle.0.keeping.stills.has_inside {
                 let failure = options.argument("section").fail("the stills of this run have no inside").code(causes::BODY_KIND);
                 let failure = failure.cause("of bodies in space the surface alone is recorded");
                 return Err(failure.hint("write `stills_inside: true` into the options of `simulate`").into());
             }
-            if let Some(panel) = shown.panels.iter().find(|panel| !panel.field.is_recorded()) {
+            let colors = shown.panels.iter().map(|panel| ("field", panel.field));
+            let arrows = shown.vectors.iter().filter_map(|(vectors, _)| Some(("vectors", vectors.field()?)));
+            let keeping = &handle.0.keeping.stills;
+            if let Some((option, field)) = colors.chain(arrows).find(|(_, field)| !keeping.keeps(*field)) {
                 let failure = options
-                    .argument("field")
-                    .fail(format!("the stills of a run do not keep the field \"{}\"", panel.field.words()))
+                    .argument(option)
+                    .fail(format!("the stills of this run do not have the field \"{}\"", field.name()))
                     .code(causes::NO_SUCH);
-                let failure = failure.cause("displacements, velocities, stresses and contact pressures are recorded");
-                return Err(failure.hint("draw it with `sim.picture` while the run goes on, such as in `sim.on_step`").into());
+                let failure = failure.cause("displacement, velocity, stress and contact pressure are recorded, others on request");
+                return Err(failure.hint(format!("write `stills_fields: [\"{}\"]` into the options of `simulate`", field.name())).into());
             }
             let seconds = options.number("seconds")?;
             Ok(write_course(call, &handle, &[".png", ".gif"], || drawn(call, &handle, shown, title.as_deref(), seconds))?)
@@ -68,7 +71,7 @@ fn drawn(call: &Call, handle: &SimulationHandle, mut shown: PictureOptions, titl
     let (skins, shapes) = (artifacts.recording().bodies(), shapes(model));
     let at = |still: &Still| (still.fields(&model.bodies, skins), still.placed(&shapes));
     for panel in &mut shown.panels {
-        let place = Field::ALL.iter().position(|row| row.2 == panel.field);
+        let place = Field::BASIC.iter().position(|name| *name == panel.field.name());
         let extremes = |still: &Still| match place {
             Some(place) => still.extremes[place],
             None => {
@@ -91,7 +94,7 @@ fn drawn(call: &Call, handle: &SimulationHandle, mut shown: PictureOptions, titl
     let draw = |index: usize| {
         let still = &stills[index];
         let (bodies, obstacles) = at(still);
-        let title = title.map_or_else(|| format!("{} at t = {}", handle.0.name, brief(still.time)), String::from);
+        let title = title.map_or_else(|| format!("{} at t = {}", handle.0.name, handle.0.told(brief(still.time), "time")), String::from);
         picture(&bodies, &obstacles, &PictureOptions { title, ..shown.clone() })
     };
     let count = stills.len();

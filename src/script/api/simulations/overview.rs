@@ -16,8 +16,12 @@ impl SimulationHandle {
         let Ok(simulation) = data.simulation.try_borrow() else { return self.describe() };
         let (row, options) = (simulation.row(), simulation.options());
         let title = format!("simulation \"{}\" at t = {}, step {}", data.name, data.told(brief(row.time), "time"), row.step);
-        let method =
-            format!("  {}, dt = {}, {} unknowns", integrator_title(&options.integrator), step_size(options), simulation.unknowns());
+        let method = format!(
+            "  {}, dt = {}, {} unknowns",
+            integrator_title(&options.integrator),
+            step_size(options, |dt| data.told(dt, "time")),
+            simulation.unknowns()
+        );
         let history = data.history.borrow();
         let mut worst = 0.0;
         history.visit(0, &mut |row| worst = f64::max(worst, row.energy_defect.abs()));

@@ -40,8 +40,9 @@ pub(super) fn keys() -> Vec<Parameter> {
             "field",
             Kind::Either("a field's name or an array of names"),
             "the field that gives the colors, or several, one panel each: `von_mises`, `pressure`, `contact_pressure`, `displacement`, \
-             `velocity`, `acceleration`, `slip` (which nodes stick and which slide against friction), and the numbers of `sim.field` that \
-             follow from stress and strain, such as `stress_xx`, `principal_1`, `stress_tt` or `energy_density`",
+             `velocity`, `slip` (which nodes stick and which slide against friction), and all of `sim.field` that have a size, such as \
+             `stress_xx`, `principal_1`, `strain_tt`, `acceleration` or `energy_density`; `movie` needs some of them in `stills_fields` of \
+             `simulate`",
         )
         .or(Absent::Text("von_mises")),
         optional(

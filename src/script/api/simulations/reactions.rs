@@ -3,12 +3,12 @@
 use rhai::{Array, Dynamic, ImmutableString};
 
 use super::handle::SimulationHandle;
+use super::told::ScriptOutput;
 use crate::dynamics::Reaction;
 use crate::script::api::examples::contact_example;
 use crate::script::api::models::handle::BoundaryHandle;
 use crate::script::language::arguments::Arguments;
 use crate::script::language::causes;
-use crate::script::language::digits::{brief, brief_vector};
 use crate::script::language::function::{Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
 use crate::script::language::parameter::{Kind, Parameter};
@@ -20,6 +20,7 @@ pub struct ReactionHandle {
     time: f64,
     dimension: usize,
     reaction: Reaction,
+    told: ScriptOutput,
 }
 
 impl ReactionHandle {
@@ -36,9 +37,9 @@ impl Handle for ReactionHandle {
     const MAKER: &'static str = "take one of a simulation: `sim.reaction(boundary)`";
 
     fn describe(&self) -> String {
-        let force = brief_vector(&self.reaction.force[..self.dimension]);
-        let moment = if self.dimension == 2 { brief(self.reaction.moment[2]) } else { brief_vector(&self.reaction.moment) };
-        format!("reaction of \"{}\" at t = {}: force {force}, moment {moment}", self.boundary, brief(self.time))
+        let ReactionHandle { boundary, time, dimension, reaction, told } = self;
+        let (force, moment) = (told.vector(&reaction.force[..*dimension], "force"), told.moment(&reaction.moment, *dimension));
+        format!("reaction of \"{boundary}\" at t = {}: force {force}, moment {moment}", told.number(*time, "time"))
     }
 }
 
@@ -89,7 +90,7 @@ fn reaction() -> Function {
                 let failure = call.fail(format!("the reaction of \"{boundary}\" is not known before the first step")).code(causes::TIME);
                 return Err(failure.hint("take a step, or bring the model to rest by `sim.settle()`").into());
             };
-            Ok(Dynamic::from(ReactionHandle { boundary, time, dimension, reaction }))
+            Ok(Dynamic::from(ReactionHandle { boundary, time, dimension, reaction, told: ScriptOutput::of(&handle) }))
         }),
     }
 }

@@ -143,6 +143,7 @@ pub fn page(host: &Host, data: &SimulationData, simulation: &Simulation, ending:
         contacts: model.contact_names().into_iter().map(String::from).collect(),
         bodies: &model.bodies,
         skins: recording.bodies(),
+        shown: &data.keeping.stills,
         stills: &stills,
         obstacles: placed(model),
         units: data.listed_units(),
@@ -236,7 +237,7 @@ pub fn tables(data: &SimulationData, simulation: &Simulation) -> Vec<ReportTable
         table("Held and loaded", &[], conditions(data)),
         table("Joints, gears and drives", &["name", "kind", "from", "to", "at", "driven or limited"], joints(model)),
         table("Contacts", &["contact", "secondary", "primary", "method", "update", "enforcement"], contacts(model, simulation)),
-        table("Time integration", &[], integration(simulation)),
+        table("Time integration", &[], integration(data, simulation)),
     ];
     all.retain(|table| !table.rows.is_empty());
     all
@@ -268,7 +269,10 @@ fn joints(model: &Model) -> Vec<Vec<String>> {
 
 /// Tables of results and passed checks of the script.
 fn outcomes(host: &Host) -> Vec<ReportTable> {
-    let results = Results::of(host).into_iter().map(|(name, value)| vec![name, value.as_f64().map_or(value.to_string(), brief)]).collect();
+    let units = Results::units(host);
+    let told = |name: &str, value: String| units.get(name).map_or(value.clone(), |unit| format!("{value} {}", pretty_unit(unit)));
+    let row = |(name, value): (String, Value)| vec![name.clone(), told(&name, value.as_f64().map_or(value.to_string(), brief))];
+    let results = Results::of(host).into_iter().map(row).collect();
     // Without folders, which differ between machines.
     let plain = |line: String| match line.rsplit_once("  [") {
         Some((what, place)) => format!("{what}  [{}", place.rsplit(['/', '\\']).next().unwrap_or_default()),
@@ -298,7 +302,12 @@ fn summary(host: &Host, data: &SimulationData, simulation: &Simulation, stills: 
     let told = |number: f64, dimension| data.told(brief(number), dimension);
     let steps =
         format!("to t = {} in {}, {}", told(row.time, "time"), count(row.step, "step", "steps"), count(halved, "halving", "halvings"));
-    let method = format!("{}, dt {}, {} unknowns", title(&options.integrator).replace('_', " "), step_size(options), simulation.unknowns());
+    let method = format!(
+        "{}, dt {}, {} unknowns",
+        title(&options.integrator).replace('_', " "),
+        step_size(options, |dt| data.told(dt, "time")),
+        simulation.unknowns()
+    );
     let energy = format!(
         "kinetic {}, strain {}, potential {}, total {}",
         told(row.kinetic, "energy"),
@@ -309,13 +318,11 @@ fn summary(host: &Host, data: &SimulationData, simulation: &Simulation, stills: 
     let account = EnergyAccount::of(&*history).to_string();
     let account = if account.is_empty() { "kept to round-off".to_string() } else { account };
     let peak = |wanted: &str| {
-        let index = Field::ALL.iter().position(|(name, ..)| *name == wanted)?;
+        let index = Field::BASIC.iter().position(|name| *name == wanted)?;
         let still = stills.iter().max_by(|a, b| a.extremes[index][1].total_cmp(&b.extremes[index][1]))?;
         let value = still.extremes[index][1];
-        (value > 0.0 && value.is_finite()).then(|| {
-            let (_, words, field) = Field::ALL[index];
-            format!("{words} {} at t = {}", told(value, field.dimension()), told(still.time, "time"))
-        })
+        let field = Field::from_name(wanted).filter(|_| value > 0.0 && value.is_finite())?;
+        Some(format!("{} {} at t = {}", field.words(), told(value, field.dimension()), told(still.time, "time")))
     };
     let is_soft = model.bodies.iter().any(|body| body.rigid.is_none());
     let peaks = ["von_mises", "contact_pressure", "displacement", "velocity"].into_iter().filter(|name| is_soft || *name != "von_mises");
@@ -415,12 +422,12 @@ fn contacts(model: &Model, simulation: &Simulation) -> Vec<Vec<String>> {
     model.interactions.iter().map(row).collect()
 }
 
-fn integration(simulation: &Simulation) -> Vec<Vec<String>> {
+fn integration(data: &SimulationData, simulation: &Simulation) -> Vec<Vec<String>> {
     let options = simulation.options();
     let row = |name: &str, value: String| vec![name.to_string(), value];
     vec![
         row("integrator", format!("{}: {}", title(&options.integrator).replace('_', " "), options.integrator.summary)),
-        row("step size", step_size(options)),
+        row("step size", step_size(options, |dt| data.told(dt, "time"))),
         row("tolerance", number_text(options.tolerance)),
         row("halvings at most", options.max_halvings.to_string()),
         row("unknowns", simulation.unknowns().to_string()),

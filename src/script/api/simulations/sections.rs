@@ -4,12 +4,12 @@ use rhai::Dynamic;
 
 use super::fields::vector;
 use super::handle::SimulationHandle;
+use super::told::ScriptOutput;
 use crate::dynamics::SectionForce;
 use crate::script::api::examples::flight_example;
 use crate::script::api::models::handle::BodyHandle;
 use crate::script::language::arguments::Arguments;
 use crate::script::language::causes;
-use crate::script::language::digits::{brief, brief_vector};
 use crate::script::language::function::{Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
 use crate::script::language::parameter::{Kind, Parameter};
@@ -21,6 +21,7 @@ pub struct SectionHandle {
     time: f64,
     dimension: usize,
     section: SectionForce,
+    told: ScriptOutput,
 }
 
 impl SectionHandle {
@@ -36,13 +37,13 @@ impl Handle for SectionHandle {
 
     fn describe(&self) -> String {
         let SectionForce { force, moment_at_center, center, area, .. } = &self.section;
-        let [force, center] = [force, center].map(|values| brief_vector(&values[..self.dimension]));
-        let moment = if self.dimension == 2 { brief(moment_at_center[2]) } else { brief_vector(moment_at_center) };
+        let (force, center) = (self.told.vector(&force[..self.dimension], "force"), self.told.vector(&center[..self.dimension], "length"));
+        let moment = self.told.moment(moment_at_center, self.dimension);
         format!(
             "section of body \"{}\" at t = {}: force {force}, moment {moment} about its center {center}, area {}",
             self.body,
-            brief(self.time),
-            brief(*area)
+            self.told.number(self.time, "time"),
+            self.told.number(*area, "area")
         )
     }
 }
@@ -118,7 +119,7 @@ fn section_force() -> Function {
                 let failure = point.fail(format!("the plane does not part the cells of body \"{}\"", definition.name)).code(causes::EMPTY);
                 return Err(failure.hint("give a point within the undeformed body").into());
             };
-            Ok(Dynamic::from(SectionHandle { body: definition.name.clone(), time, dimension, section }))
+            Ok(Dynamic::from(SectionHandle { body: definition.name.clone(), time, dimension, section, told: ScriptOutput::of(&handle) }))
         }),
     }
 }

@@ -15,6 +15,7 @@ use super::integrators::{IntegratorHandle, title};
 use super::journal::Journal;
 use super::modes::warn_of_damping;
 use super::step_control::{STEP_SIZE, StepSize, step_size};
+use super::stills::{still_options, still_parameters};
 use crate::contact::Finding;
 use crate::dynamics::{LedgerRow, Model, Options, RedundantConstraints, Simulation};
 use crate::linear::SolverChoice;
@@ -60,7 +61,9 @@ fn simulate() -> Function {
             Parameter::new("model", Kind::Handle(ModelHandle::NAME), "the model"),
             Parameter::new(
                 "options",
-                Kind::Options(vec![
+                Kind::Options(
+                    [
+                        vec![
                     Parameter::new("integrator", Kind::Handle(IntegratorHandle::NAME), "the time integrator"),
                     Parameter::new("dt", STEP_SIZE, "the step size").of("time").within(Interval::Positive),
                     Parameter::number(
@@ -87,29 +90,18 @@ fn simulate() -> Function {
                         "the time between two frames of the fields in `fields.pvd`",
                     )
                     .or(Absent::Means("the first and the last state only")),
-                    Parameter::new(
-                        "stills",
-                        Kind::Integer,
-                        "how many pictures of the run are kept for movies and the animation of `report.html`; whenever there are more, \
-                         every second one is dropped",
-                    )
-                    .within(Interval::Closed(2.0, 5000.0))
-                    .or(Absent::Means("160, and fewer of large models")),
-                    Parameter::new(
-                        "stills_inside",
-                        Kind::Flag,
-                        "whether these pictures have the inside of bodies in space, for movies with a `section` and for the colors of cuts \
-                         in `report.html`",
-                    )
-                    .or(Absent::Flag(false)),
-                    Parameter::new(
+                    ],
+                        still_parameters().into(),
+                        vec![Parameter::new(
                         "accept_overlap",
                         Kind::Flag,
                         "whether bodies that overlap at the start are meant to; without it, the first step refuses them unless `settle` \
                          came before",
                     )
-                    .or(Absent::Flag(false)),
-                ]),
+                    .or(Absent::Flag(false))],
+                    ]
+                    .concat(),
+                ),
                 "how it is integrated",
             ),
         ],
@@ -136,9 +128,7 @@ fn make(call: &Call) -> Result<SimulationHandle, Failure> {
     kernel.interrupt = Some(call.host.settings.interrupt.clone());
     kernel.progress = Some(call.host.settings.factorization.clone());
     let fields_every = options.optional_number("fields_every")?;
-    let stills = options.argument("stills");
-    let stills = if stills.is_given() { Some(stills.integer()? as usize) } else { None };
-    let stills_inside = options.flag("stills_inside")?;
+    let stills = still_options(&options, &original.0.borrow().model)?;
     let accepts_overlap = options.flag("accept_overlap")?;
     kernel.accepts_overlap = accepts_overlap;
     check_overrides(call.host, call.engine(), false)?;
@@ -177,7 +167,7 @@ fn make(call: &Call) -> Result<SimulationHandle, Failure> {
     let overlaps = if accepts_overlap { Vec::new() } else { model.model.overlaps() };
     let history = new_history(call.host, simulation.row())?;
     let so_far = InitialHistory { history, probes: Vec::new(), spent: begun.elapsed() };
-    let handle = create(call, model, simulation, motion, RecordingLimits { fields_every, stills, stills_inside }, so_far)?;
+    let handle = create(call, model, simulation, motion, RecordingLimits { fields_every, stills }, so_far)?;
     *handle.0.overlaps.borrow_mut() = overlaps;
     handle.0.accepts_overlap.set(accepts_overlap);
     handle.note_contact();
@@ -348,7 +338,7 @@ pub fn create(
     let columns = probe_columns(&model.model, &probes);
     let first = history.row(0).unwrap_or_default();
     let mut artifacts =
-        Artifacts::create(call.host, below, &model.model, keeping, &first, Columns { probes: columns, units: units.clone() }, start)?;
+        Artifacts::create(call.host, below, &model.model, &keeping, &first, Columns { probes: columns, units: units.clone() }, start)?;
     if let Some(artifacts) = &mut artifacts {
         artifacts.rewrite(&history.first(1), &history, &simulation)?;
     }
@@ -413,7 +403,7 @@ fn described_for_check(handle: &SimulationHandle) -> String {
         "simulation \"{}\": {}, dt = {}, {} unknowns\n{}",
         handle.0.name,
         title(&options.integrator),
-        step_size(options),
+        step_size(options, |dt| handle.0.told(dt, "time")),
         simulation.unknowns(),
         model.describe()
     )

@@ -176,7 +176,7 @@ fn branch() -> Function {
             simulation.restore(&state);
             let (history, probes) = (handle.0.history.borrow().clone(), handle.0.probes.borrow().clone());
             let so_far = InitialHistory { history, probes, spent: begun.elapsed() };
-            let branch = create(call, model, simulation, motion, handle.0.keeping, so_far)?;
+            let branch = create(call, model, simulation, motion, handle.0.keeping.clone(), so_far)?;
             if let (Some(own), Some(original)) = (branch.0.artifacts.borrow_mut().as_mut(), handle.0.artifacts.borrow().as_ref()) {
                 own.record_behind(original.recording().clone());
             }

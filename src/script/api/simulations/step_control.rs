@@ -87,10 +87,10 @@ impl std::fmt::Display for StepSize {
     }
 }
 
-/// Describes the step size of a simulation.
-pub fn step_size(options: &Options) -> String {
+/// Describes the step size of a simulation; `told` adds the unit of a time.
+pub fn step_size(options: &Options, told: impl Fn(String) -> String) -> String {
     let chosen = |control: StepControl| StepControlHandle { control, first: None }.describe();
-    options.control.map_or_else(|| number_text(options.dt), chosen)
+    options.control.map_or_else(|| told(number_text(options.dt)), chosen)
 }
 
 /// Function `auto` of scripts.

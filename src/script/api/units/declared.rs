@@ -154,7 +154,7 @@ fn set_of(call: &Call) -> Result<UnitSet, Failure> {
 }
 
 /// Completes the failure of an invalid unit expression.
-pub(super) fn refused_unit(failure: Failure, error: &UnitError) -> Failure {
+pub fn refused_unit(failure: Failure, error: &UnitError) -> Failure {
     let near = match error {
         UnitError::Unknown(name) => did_you_mean(name, Unit::names()).map(|hint| hint.replace('`', "\"")),
         UnitError::Malformed { .. } => None,

@@ -5,7 +5,7 @@ mod declared;
 mod quantities;
 
 pub use conversion::Units;
-pub use declared::{DeclaredUnits, model_units};
+pub use declared::{DeclaredUnits, model_units, refused_unit};
 
 use crate::script::language::function::Function;
 

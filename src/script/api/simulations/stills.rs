@@ -1,0 +1,62 @@
+//! Options that say what the stills of a run have, for movies and the report.
+
+use rhai::Dynamic;
+
+use super::local_frames::{Geometry, frame_of, frame_parameters};
+use crate::dynamics::Model;
+use crate::math::catalogue::Interval;
+use crate::output::{Field, StillOptions};
+use crate::script::language::arguments::{Arguments, Options};
+use crate::script::language::failure::Failure;
+use crate::script::language::parameter::{Absent, Kind, Parameter};
+
+/// Keys of the options.
+pub(super) fn still_parameters() -> [Parameter; 4] {
+    [
+        Parameter::new(
+            "stills",
+            Kind::Integer,
+            "how many pictures of the run are kept for movies and the animation of `report.html`; whenever there are more, every second \
+             one is dropped",
+        )
+        .within(Interval::Closed(2.0, 5000.0))
+        .or(Absent::Means("160, and fewer of large models")),
+        Parameter::new(
+            "stills_inside",
+            Kind::Flag,
+            "whether these pictures have the inside of bodies in space, for movies with a `section` and for the colors of cuts in \
+             `report.html`",
+        )
+        .or(Absent::Flag(false)),
+        Parameter::new(
+            "stills_fields",
+            Kind::Array,
+            "names of further fields for movies and the colors of `report.html`, of those that `picture` takes, such as \
+             `[\"energy_density\", \"acceleration\", \"strain_xx\"]` (all strains) or `[\"stress_tt\"]`",
+        )
+        .or(Absent::Means("stress, displacement, velocity and contact pressure")),
+        Parameter::new(
+            "stills_frame",
+            Kind::Options(frame_parameters().into()),
+            "the axis and direction of `stress_tt`, `strain_along` and the like in `report.html`",
+        )
+        .or(Absent::Means("about the third axis through the origin")),
+    ]
+}
+
+/// Content of the stills that options ask for.
+///
+/// # Errors
+/// An unknown field, or a frame that the model cannot have.
+pub(super) fn still_options(options: &Options, model: &Model) -> Result<StillOptions, Failure> {
+    let (most, named) = (options.argument("stills"), options.argument("stills_fields"));
+    let most = if most.is_given() { Some(most.integer()? as usize) } else { None };
+    let names = if named.is_given() { named.array()? } else { Vec::new() };
+    let field_of = |name: Dynamic| {
+        let name = name.into_string().map_err(|_| named.wrong_type())?;
+        Field::from_name(&name).ok_or_else(|| named.unknown_choice(&name, &Field::names()))
+    };
+    let fields = names.into_iter().map(field_of).collect::<Result<_, Failure>>()?;
+    let frame = frame_of(&options.nested("stills_frame")?, Geometry::of(model))?;
+    Ok(StillOptions { most, has_inside: options.flag("stills_inside")?, fields, frame })
+}
