@@ -21,6 +21,7 @@ use super::pattern::Pattern;
 use super::scaling::{all_finite, largest, spread, vertex_scales};
 use super::symbolic::Symbolic;
 use super::watch::InterruptWatch;
+use super::work::Work;
 use crate::machine::memory;
 use crate::math::tolerances;
 use crate::math::workers::Workers;
@@ -43,39 +44,11 @@ const COME_BACK: usize = 4;
 /// separated after contact.
 const REVIEW: usize = 50;
 
+/// Number of right-hand sides that are substituted together: enough that factors are read from memory rarely.
+const TOGETHER: usize = 16;
+
 /// Largest number of iterative refinements. One restores full accuracy unless the factors are useless.
 const REFINEMENTS: usize = 2;
-
-/// Work counters; equal in every run and on every machine with equal instructions.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Work {
-    /// Numeric factorisations.
-    pub factorizations: usize,
-    /// Floating-point operations of all factorizations.
-    pub operations: f64,
-    /// Symbolic factorisations.
-    pub structures: usize,
-    /// Nested dissections.
-    pub dissections: usize,
-    /// Hierarchies of coarser matrices made by the iterative solver.
-    pub hierarchies: usize,
-    /// Iterations of the iterative solver.
-    pub iterations: usize,
-}
-
-impl Work {
-    /// Sum of two counts.
-    pub(super) fn and(self, other: Work) -> Work {
-        Work {
-            factorizations: self.factorizations + other.factorizations,
-            operations: self.operations + other.operations,
-            structures: self.structures + other.structures,
-            dissections: self.dissections + other.dissections,
-            hierarchies: self.hierarchies + other.hierarchies,
-            iterations: self.iterations + other.iterations,
-        }
-    }
-}
 
 /// Factorization of a sequence of matrices: the order of elimination is kept while it is good, the structure while the pattern is
 /// unchanged.
@@ -360,6 +333,33 @@ impl Factorization {
     /// [`LinearError::Singular`], [`LinearError::NotFinite`], or [`LinearError::Inaccurate`] when the backward error stays above
     /// [`crate::math::tolerances::LINEAR_RESIDUAL`] or the residual above [`crate::math::tolerances::LINEAR_UNSOLVED`] of `b`.
     pub fn solve(&mut self, values: &[f64], right: &mut [f64]) -> Result<f64, LinearError> {
+        self.solve_from(values, right, None)
+    }
+
+    /// Solves as [`Self::solve`] for right-hand sides one after another, which become the solutions. Returns the largest backward error.
+    ///
+    /// # Errors
+    /// Errors of [`Self::solve`].
+    pub fn solve_all(&mut self, values: &[f64], rights: &mut [f64]) -> Result<f64, LinearError> {
+        let (unknowns, mut worst) = (self.unknowns().max(1), 0.0f64);
+        for rights in rights.chunks_mut(unknowns * TOGETHER) {
+            let (mut first, mut images) = (Vec::new(), Vec::new());
+            if rights.len() > unknowns && !self.fallen_back && self.multifrontal.replaced().is_empty() {
+                first.extend_from_slice(rights);
+                self.multifrontal.solve(&self.symbolic, &self.scale, &mut first, &self.workers);
+                images.resize(first.len(), 0.0);
+                self.pattern.multiply_each_into(values, &first, &mut images);
+            }
+            let mut known = first.chunks_exact(unknowns).zip(images.chunks_exact(unknowns));
+            for right in rights.chunks_exact_mut(unknowns) {
+                worst = worst.max(self.solve_from(values, right, known.next())?);
+            }
+        }
+        Ok(worst)
+    }
+
+    /// Solves; `first` is the substituted right-hand side and the product of the matrix with it, if they are known.
+    fn solve_from(&mut self, values: &[f64], right: &mut [f64], first: Option<(&[f64], &[f64])>) -> Result<f64, LinearError> {
         let size = self.scaled_size(right);
         if size == 0.0 {
             return Ok(0.0);
@@ -372,12 +372,12 @@ impl Factorization {
             if !self.multifrontal.replaced().is_empty() {
                 self.refuse_singular(values)?;
             } else {
-                error = self.refined(values, right, size);
+                error = self.refined(values, right, size, first);
             }
         }
         if error.is_nan() || error > tolerances::LINEAR_FALLBACK {
             self.fall_back(values)?;
-            error = self.refined(values, right, size);
+            error = self.refined(values, right, size, None);
         }
         let residual = self.scaled_size(&self.residual) / size;
         if error.is_nan() || error > tolerances::LINEAR_RESIDUAL || residual > tolerances::LINEAR_UNSOLVED {
@@ -424,20 +424,22 @@ impl Factorization {
         }
     }
 
-    /// Solves into `solution` with iterative refinement until the backward error is at round-off; returns the backward error.
-    fn refined(&mut self, values: &[f64], right: &[f64], size: f64) -> f64 {
+    /// Solves into `solution` with iterative refinement until the backward error is at round-off; returns the backward error. `first` is
+    /// the substituted right-hand side and the product of the matrix with it, if they are known.
+    fn refined(&mut self, values: &[f64], right: &[f64], size: f64, mut first: Option<(&[f64], &[f64])>) -> f64 {
         self.solution.fill(0.0);
         self.residual.copy_from_slice(right);
         let mut error = 1.0;
         for _ in 0..=REFINEMENTS {
-            self.substitute();
-            for (x, d) in self.solution.iter_mut().zip(&self.residual) {
-                *x += d;
+            if let Some((first, image)) = first.take() {
+                self.solution.copy_from_slice(first);
+                self.residual.copy_from_slice(image);
+            } else {
+                self.substitute();
+                self.solution.iter_mut().zip(&self.residual).for_each(|(x, d)| *x += d);
+                self.pattern.multiply_into(values, &self.solution, &mut self.residual);
             }
-            self.pattern.multiply_into(values, &self.solution, &mut self.residual);
-            for (r, b) in self.residual.iter_mut().zip(right) {
-                *r = b - *r;
-            }
+            self.residual.iter_mut().zip(right).for_each(|(r, b)| *r = b - *r);
             let solution = largest(self.solution.iter().zip(&self.scale).map(|(x, scale)| x / scale));
             error = self.scaled_size(&self.residual) / (solution + size);
             if error.is_nan() || error <= tolerances::LINEAR_REFINED {
@@ -476,9 +478,7 @@ impl Factorization {
             if !size.is_finite() || size == 0.0 {
                 return Ok(());
             }
-            for z in &mut self.solution {
-                *z /= size;
-            }
+            self.solution.iter_mut().for_each(|z| *z /= size);
             self.pattern.multiply_into(values, &self.solution, &mut self.residual);
             let last = std::mem::replace(&mut image, self.scaled_size(&self.residual));
             if image <= tolerances::LINEAR_SINGULAR {

@@ -1,11 +1,12 @@
 //! Iterative solver with the direct solver as its fallback.
 
 use super::error::LinearError;
-use super::factorization::{Factorization, Work};
+use super::factorization::Factorization;
 use super::iterative::{Iterative, Refusal};
 use super::pattern::Pattern;
 use super::solver::{LinearSolver, SolverMemory, TakenOver};
 use super::watch::InterruptWatch;
+use super::work::Work;
 use crate::math::workers::Workers;
 
 /// Choice between direct and iterative solution.
@@ -128,7 +129,7 @@ impl IterativeWithFallback {
 
     /// Makes the preconditioner of a matrix.
     fn prepare(&mut self, values: &[f64]) -> Result<(), Refusal> {
-        self.iterative.prepare(&self.pattern, &self.positions, values, &self.workers)?;
+        self.iterative.prepare(&self.pattern, &self.positions, values, &self.workers, &self.watch)?;
         self.done.hierarchies += 1;
         self.is_direct = false;
         Ok(())
@@ -179,6 +180,9 @@ impl LinearSolver for IterativeWithFallback {
     }
 
     fn solve(&mut self, values: &[f64], rights: &mut [f64]) -> Result<f64, LinearError> {
+        if self.is_direct {
+            return self.direct()?.solve_all(values, rights);
+        }
         let mut worst = 0.0f64;
         for right in rights.chunks_exact_mut(self.pattern.unknowns()) {
             if !self.is_direct {

@@ -41,12 +41,14 @@ mod tree;
 mod triangular;
 mod waiting;
 mod watch;
+mod work;
 
 pub use error::LinearError;
-pub use factorization::{Factorization, Work};
+pub use factorization::Factorization;
 pub use handover::{ITERATED, SolverChoice, solver_of};
 pub use lanczos::{Lanczos, Operator, Ritz, product};
 pub use node_matrix::NodeMatrix;
 pub use pattern::{Block, Pattern, Role, Vertex};
 pub use solver::{LinearSolver, SolverMemory, TakenOver};
 pub use watch::InterruptWatch;
+pub use work::Work;

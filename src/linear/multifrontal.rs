@@ -14,7 +14,7 @@ use pulp::{Simd, WithSimd};
 use super::aligned::AlignedBuffer;
 use super::assembly::{Received, add_entries};
 use super::panels::{self, Blocks, EliminationOptions};
-use super::substitution::{Direction, Part, Substitution, parts};
+use super::substitution::{Direction, Part, PartOfVector, Substitution, each, parts};
 use super::symbolic::Symbolic;
 use super::waiting::{Side, UpdateStack};
 use super::watch::InterruptWatch;
@@ -44,7 +44,7 @@ pub(super) struct Multifrontal {
     scratch: Vec<Mutex<Scratch>>,
     /// Positions in the order of elimination with replaced pivots.
     replaced: Vec<u32>,
-    /// Vector in the order of elimination, and its part exchanged between subtrees and the fronts above.
+    /// Vectors in the order of elimination, and their parts exchanged between subtrees and the fronts above.
     ordered: Vec<f64>,
     outside: Vec<f64>,
 }
@@ -87,8 +87,6 @@ impl Multifrontal {
         self.factors.resize(symbolic.factors)?;
         let (waiting, threads) = symbolic.waiting(workers);
         self.handed.resize(waiting.handed)?;
-        let updates = symbolic.tasks.iter().map(|task| symbolic.fronts[task.end - 1].update);
-        self.outside.resize(updates.sum(), 0.0);
         self.swaps.resize(symbolic.unknowns.len(), 0);
         self.scratch.resize_with(threads, Mutex::default);
         // The first buffer is also used for the fronts above the tasks.
@@ -157,13 +155,18 @@ impl Multifrontal {
         &self.replaced
     }
 
-    /// `x := A^-1 x`, with one scale per unknown.
+    /// `x := A^-1 x`, with one scale per unknown, for vectors `x` one after another. Every vector gets the same numbers as alone.
     pub(super) fn solve(&mut self, symbolic: &Symbolic, scale: &[f64], x: &mut [f64], workers: &Workers) {
         let Multifrontal { factors, swaps, ordered, outside, scratch, .. } = self;
-        let (factors, count) = (factors.all(), symbolic.fronts.len());
+        let (factors, fronts, unknowns) = (factors.all(), symbolic.fronts.len(), symbolic.unknowns.len());
+        let count = x.len() / unknowns.max(1);
         ordered.clear();
-        ordered.extend(symbolic.unknowns.iter().map(|&unknown| scale[unknown as usize] * x[unknown as usize]));
-        outside.fill(0.0);
+        for x in x.chunks_exact(unknowns.max(1)) {
+            ordered.extend(symbolic.unknowns.iter().map(|&unknown| scale[unknown as usize] * x[unknown as usize]));
+        }
+        let exchanged: usize = symbolic.tasks.iter().map(|task| symbolic.fronts[task.end - 1].update).sum();
+        outside.clear();
+        outside.resize(exchanged * count, 0.0);
         let run = |part: &mut Part<'_>, direction: Direction| {
             let Some(mut scratch) = scratch.iter().find_map(|scratch| scratch.try_lock().ok()) else { return };
             let at_front = scratch.at_front.all_mut();
@@ -171,36 +174,30 @@ impl Multifrontal {
         };
         let above = || {
             let starts = std::iter::once(0).chain(symbolic.tasks.iter().map(|task| task.end));
-            starts.zip(symbolic.tasks.iter().map(|task| task.start).chain([count])).map(|(start, end)| start..end)
+            starts.zip(symbolic.tasks.iter().map(|task| task.start).chain([fronts])).map(|(start, end)| start..end)
         };
+        let whole = |ordered: &mut [f64], fronts: Range<usize>, direction: Direction| {
+            let vectors = each(ordered, count).map(|own| PartOfVector { own, outside: &mut [] }).collect();
+            run(&mut Part { fronts, start: 0, rows: &[], vectors }, direction);
+        };
+        let rows = || symbolic.tasks.iter().flat_map(|task| &symbolic.places.rows[symbolic.fronts[task.end - 1].rows.clone()]);
 
-        let mut tasks = parts(symbolic, ordered, outside);
+        let mut tasks = parts(symbolic, ordered, outside, count);
         workers.for_each(&mut tasks, 1, |_, part| run(part, Direction::Down));
-        let mut received = &outside[..];
-        for task in &symbolic.tasks {
-            for &row in &symbolic.places.rows[symbolic.fronts[task.end - 1].rows.clone()] {
-                if let Some((value, rest)) = received.split_first() {
-                    ordered[row as usize] += value;
-                    received = rest;
-                }
-            }
+        for (ordered, received) in each(ordered, count).zip(each(outside, count)) {
+            rows().zip(received).for_each(|(&row, value)| ordered[row as usize] += *value);
         }
-        for fronts in above() {
-            run(&mut Part { fronts, start: 0, own: ordered, rows: &[], outside: &mut [] }, Direction::Down);
+        above().for_each(|fronts| whole(ordered, fronts, Direction::Down));
+        above().collect::<Vec<_>>().into_iter().rev().for_each(|fronts| whole(ordered, fronts, Direction::Up));
+        for (ordered, given) in each(ordered, count).zip(each(outside, count)) {
+            rows().zip(given).for_each(|(&row, value)| *value = ordered[row as usize]);
         }
-        for fronts in above().collect::<Vec<_>>().into_iter().rev() {
-            run(&mut Part { fronts, start: 0, own: ordered, rows: &[], outside: &mut [] }, Direction::Up);
-        }
-        let mut given = outside.iter_mut();
-        for task in &symbolic.tasks {
-            for (&row, value) in symbolic.places.rows[symbolic.fronts[task.end - 1].rows.clone()].iter().zip(&mut given) {
-                *value = ordered[row as usize];
-            }
-        }
-        let mut tasks = parts(symbolic, ordered, outside);
+        let mut tasks = parts(symbolic, ordered, outside, count);
         workers.for_each(&mut tasks, 1, |_, part| run(part, Direction::Up));
-        for (&unknown, value) in symbolic.unknowns.iter().zip(&*ordered) {
-            x[unknown as usize] = scale[unknown as usize] * value;
+        for (x, ordered) in x.chunks_exact_mut(unknowns.max(1)).zip(each(ordered, count)) {
+            for (&unknown, value) in symbolic.unknowns.iter().zip(&*ordered) {
+                x[unknown as usize] = scale[unknown as usize] * value;
+            }
         }
     }
 }

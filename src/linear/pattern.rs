@@ -333,17 +333,26 @@ impl Pattern {
     /// `y = A x` with the given values, for the leading unknowns that `x` and `y` contain (whole vertices).
     pub fn multiply_into(&self, values: &[f64], x: &[f64], y: &mut [f64]) {
         y.fill(0.0);
-        for v in (0..self.lengths.len()).take_while(|&v| self.first[v] < x.len()) {
-            match self.size(v) {
-                1 => self.add_columns::<1>(v, values, x, y),
-                2 => self.add_columns::<2>(v, values, x, y),
-                3 => self.add_columns::<3>(v, values, x, y),
-                size => {
-                    for k in 0..size {
-                        self.add_one_column(v, k, values, x[self.first[v] + k], y);
-                    }
-                }
-            }
+        (0..self.lengths.len()).take_while(|&v| self.first[v] < x.len()).for_each(|v| self.add_vertex(v, values, x, y));
+    }
+
+    /// `y = A x` for vectors of all unknowns, one after another; every vector gets the same numbers as alone.
+    pub(super) fn multiply_each_into(&self, values: &[f64], x: &[f64], y: &mut [f64]) {
+        let unknowns = self.unknowns().max(1);
+        y.fill(0.0);
+        for v in 0..self.lengths.len() {
+            x.chunks_exact(unknowns).zip(y.chunks_exact_mut(unknowns)).for_each(|(x, y)| self.add_vertex(v, values, x, y));
+        }
+    }
+
+    /// `y += A x` for the columns of a vertex.
+    #[inline(always)]
+    fn add_vertex(&self, v: usize, values: &[f64], x: &[f64], y: &mut [f64]) {
+        match self.size(v) {
+            1 => self.add_columns::<1>(v, values, x, y),
+            2 => self.add_columns::<2>(v, values, x, y),
+            3 => self.add_columns::<3>(v, values, x, y),
+            size => (0..size).for_each(|k| self.add_one_column(v, k, values, x[self.first[v] + k], y)),
         }
     }
 

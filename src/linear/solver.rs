@@ -4,9 +4,10 @@ use serde::{Deserialize, Serialize};
 
 use super::elimination_order::{Account, EliminationOrder};
 use super::error::LinearError;
-use super::factorization::{Factorization, Work};
+use super::factorization::Factorization;
 use super::pattern::Pattern;
 use super::watch::InterruptWatch;
+use super::work::Work;
 
 /// State that a solver keeps from one matrix to the next. The last bits of sums depend on it, so it belongs to the state of a run. Copies
 /// share large data.
@@ -25,7 +26,7 @@ pub struct SolverMemory {
 pub struct TakenOver {
     /// Matrices for which the iteration did not converge.
     pub unconverged: u32,
-    /// True if matrices have unknowns without a preconditioner, such as those of rigid bodies.
+    /// True if half of the nodes of a matrix or more have constraints, so that the coarsest level would be the matrix itself.
     pub is_unsuited: bool,
 }
 
@@ -121,11 +122,7 @@ impl LinearSolver for Factorization {
     }
 
     fn solve(&mut self, values: &[f64], rights: &mut [f64]) -> Result<f64, LinearError> {
-        let mut worst = 0.0f64;
-        for right in rights.chunks_exact_mut(self.unknowns()) {
-            worst = worst.max(Factorization::solve(self, values, right)?);
-        }
-        Ok(worst)
+        self.solve_all(values, rights)
     }
 
     fn near_null_vector(&self) -> Option<&[f64]> {

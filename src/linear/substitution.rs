@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use pulp::{Simd, WithSimd};
 
+use super::fronts::Front;
 use super::symbolic::Symbolic;
 use super::triangular::{substitute_lower, substitute_upper};
 
@@ -14,33 +15,47 @@ pub(super) enum Direction {
     Up,
 }
 
-/// Consecutive fronts with their part of the vector, and the numbers exchanged with the fronts above.
+/// Consecutive fronts with their part of the vectors, and the numbers exchanged with the fronts above.
 pub(super) struct Part<'a> {
     pub(super) fronts: Range<usize>,
     /// Place of the first owned number.
     pub(super) start: usize,
-    pub(super) own: &'a mut [f64],
-    /// Positions of the exchanged numbers, ascending; the values are contributions (forward) or the solution (backward).
+    /// Positions of the exchanged numbers, ascending.
     pub(super) rows: &'a [u32],
+    pub(super) vectors: Vec<PartOfVector<'a>>,
+}
+
+/// Part of one vector.
+pub(super) struct PartOfVector<'a> {
+    pub(super) own: &'a mut [f64],
+    /// Exchanged numbers: contributions (forward) or the solution (backward).
     pub(super) outside: &'a mut [f64],
 }
 
-/// Parts of a vector for the tasks.
-pub(super) fn parts<'a>(symbolic: &'a Symbolic, mut ordered: &'a mut [f64], mut outside: &'a mut [f64]) -> Vec<Part<'a>> {
+/// Several vectors one after another, split into them.
+pub(super) fn each(mut data: &mut [f64], count: usize) -> impl Iterator<Item = &mut [f64]> {
+    let length = data.len() / count.max(1);
+    (0..count).filter_map(move |_| data.split_off_mut(..length))
+}
+
+/// Parts of several vectors for the tasks.
+pub(super) fn parts<'a>(symbolic: &'a Symbolic, ordered: &'a mut [f64], outside: &'a mut [f64], count: usize) -> Vec<Part<'a>> {
+    let mut vectors: Vec<_> = each(ordered, count).zip(each(outside, count)).collect();
     let mut done = 0;
     let part = |task: &Range<usize>| {
         let (start, last) = (symbolic.fronts[task.start].first, &symbolic.fronts[task.end - 1]);
         let end = last.first + last.pivots;
-        // Numbers between two tasks belong to the fronts above.
-        let _ = ordered.split_off_mut(..start - done);
+        let own = |(ordered, outside): &mut (&'a mut [f64], &'a mut [f64])| {
+            // What stands between two tasks belongs to fronts above.
+            let _ = ordered.split_off_mut(..start - done);
+            PartOfVector {
+                own: ordered.split_off_mut(..end - start).unwrap_or_default(),
+                outside: outside.split_off_mut(..last.update).unwrap_or_default(),
+            }
+        };
+        let vectors = vectors.iter_mut().map(own).collect();
         done = end;
-        Part {
-            fronts: task.clone(),
-            start,
-            own: ordered.split_off_mut(..end - start).unwrap_or_default(),
-            rows: &symbolic.places.rows[last.rows.clone()],
-            outside: outside.split_off_mut(..last.update).unwrap_or_default(),
-        }
+        Part { fronts: task.clone(), start, rows: &symbolic.places.rows[last.rows.clone()], vectors }
     };
     symbolic.tasks.iter().map(part).collect()
 }
@@ -61,60 +76,93 @@ impl WithSimd for Substitution<'_, '_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let Substitution { symbolic, factors, swaps, part, at_front, direction } = self;
-        let Part { fronts, start, own: ordered, rows: above, outside } = part;
+        let Part { fronts, start, rows: above, vectors } = part;
         let fronts = &symbolic.fronts[fronts.clone()];
-        let end = *start + ordered.len();
+        // Every vector has its own operations in their order, while the factors of the front are in the caches.
         if direction == Direction::Down {
             for front in fronts {
-                let (pivots, others) = at_front[..front.p + front.u].split_at_mut(front.p);
-                let own = &mut ordered[front.first - *start..][..front.pivots];
-                for (k, &other) in swaps[front.first..][..front.pivots].iter().enumerate() {
-                    own.swap(k, other as usize);
-                }
-                let (inside, padding) = pivots.split_at_mut(front.pivots);
-                inside.copy_from_slice(own);
-                padding.fill(0.0);
-                others.fill(0.0);
-                let factors = &factors[front.factors..][..front.length()];
-                let (diagonal, beside) = factors.split_at(front.p * front.p);
-                substitute_lower(simd, diagonal, &beside[..front.u * front.p], pivots, others);
-                own.copy_from_slice(&pivots[..front.pivots]);
-                let rows = &symbolic.places.rows[front.rows.clone()];
-                let (mine, theirs) = rows.split_at(rows.partition_point(|&row| (row as usize) < end));
-                for (&row, value) in mine.iter().zip(&*others) {
-                    ordered[row as usize - *start] += value;
-                }
-                let mut k = 0;
-                for (&row, value) in theirs.iter().zip(&others[mine.len()..]) {
-                    k += above[k..].iter().take_while(|&&other| other < row).count();
-                    outside[k] += value;
+                for vector in vectors.iter_mut() {
+                    AtFront { symbolic, front, factors, swaps, start: *start, above, at_front: &mut *at_front }.down(simd, vector);
                 }
             }
-            return;
+        } else {
+            for front in fronts.iter().rev() {
+                for vector in vectors.iter_mut() {
+                    AtFront { symbolic, front, factors, swaps, start: *start, above, at_front: &mut *at_front }.up(simd, vector);
+                }
+            }
         }
-        for front in fronts.iter().rev() {
-            let (pivots, others) = at_front[..front.p + front.u].split_at_mut(front.p);
-            let (known, padding) = others.split_at_mut(front.update);
-            let rows = &symbolic.places.rows[front.rows.clone()];
-            let (mine, theirs) = rows.split_at(rows.partition_point(|&row| (row as usize) < end));
-            let (inside, beyond) = known.split_at_mut(mine.len());
-            for (&row, value) in mine.iter().zip(inside) {
-                *value = ordered[row as usize - *start];
-            }
-            let mut k = 0;
-            for (&row, value) in theirs.iter().zip(beyond) {
-                k += above[k..].iter().take_while(|&&other| other < row).count();
-                *value = outside[k];
-            }
-            padding.fill(0.0);
-            let own = &mut ordered[front.first - *start..][..front.pivots];
-            let (inside, padding) = pivots.split_at_mut(front.pivots);
-            inside.copy_from_slice(own);
-            padding.fill(0.0);
-            let factors = &factors[front.factors..][..front.length()];
-            let (diagonal, beside) = factors.split_at(front.p * front.p);
-            substitute_upper(simd, diagonal, &beside[front.u * front.p..], pivots, others);
-            own.copy_from_slice(&pivots[..front.pivots]);
+    }
+}
+
+/// One front of a substitution.
+struct AtFront<'a> {
+    symbolic: &'a Symbolic,
+    front: &'a Front,
+    factors: &'a [f64],
+    swaps: &'a [u32],
+    start: usize,
+    above: &'a [u32],
+    at_front: &'a mut [f64],
+}
+
+impl AtFront<'_> {
+    #[inline(always)]
+    fn down<S: Simd>(self, simd: S, vector: &mut PartOfVector<'_>) {
+        let AtFront { symbolic, front, factors, swaps, start, above, at_front } = self;
+        let PartOfVector { own: ordered, outside } = vector;
+        let end = start + ordered.len();
+        let (pivots, others) = at_front[..front.p + front.u].split_at_mut(front.p);
+        let own = &mut ordered[front.first - start..][..front.pivots];
+        for (k, &other) in swaps[front.first..][..front.pivots].iter().enumerate() {
+            own.swap(k, other as usize);
         }
+        let (inside, padding) = pivots.split_at_mut(front.pivots);
+        inside.copy_from_slice(own);
+        padding.fill(0.0);
+        others.fill(0.0);
+        let factors = &factors[front.factors..][..front.length()];
+        let (diagonal, beside) = factors.split_at(front.p * front.p);
+        substitute_lower(simd, diagonal, &beside[..front.u * front.p], pivots, others);
+        own.copy_from_slice(&pivots[..front.pivots]);
+        let rows = &symbolic.places.rows[front.rows.clone()];
+        let (mine, theirs) = rows.split_at(rows.partition_point(|&row| (row as usize) < end));
+        for (&row, value) in mine.iter().zip(&*others) {
+            ordered[row as usize - start] += value;
+        }
+        let mut k = 0;
+        for (&row, value) in theirs.iter().zip(&others[mine.len()..]) {
+            k += above[k..].iter().take_while(|&&other| other < row).count();
+            outside[k] += value;
+        }
+    }
+
+    #[inline(always)]
+    fn up<S: Simd>(self, simd: S, vector: &mut PartOfVector<'_>) {
+        let AtFront { symbolic, front, factors, start, above, at_front, .. } = self;
+        let PartOfVector { own: ordered, outside } = vector;
+        let end = start + ordered.len();
+        let (pivots, others) = at_front[..front.p + front.u].split_at_mut(front.p);
+        let (known, padding) = others.split_at_mut(front.update);
+        let rows = &symbolic.places.rows[front.rows.clone()];
+        let (mine, theirs) = rows.split_at(rows.partition_point(|&row| (row as usize) < end));
+        let (inside, beyond) = known.split_at_mut(mine.len());
+        for (&row, value) in mine.iter().zip(inside) {
+            *value = ordered[row as usize - start];
+        }
+        let mut k = 0;
+        for (&row, value) in theirs.iter().zip(beyond) {
+            k += above[k..].iter().take_while(|&&other| other < row).count();
+            *value = outside[k];
+        }
+        padding.fill(0.0);
+        let own = &mut ordered[front.first - start..][..front.pivots];
+        let (inside, padding) = pivots.split_at_mut(front.pivots);
+        inside.copy_from_slice(own);
+        padding.fill(0.0);
+        let factors = &factors[front.factors..][..front.length()];
+        let (diagonal, beside) = factors.split_at(front.p * front.p);
+        substitute_upper(simd, diagonal, &beside[front.u * front.p..], pivots, others);
+        own.copy_from_slice(&pivots[..front.pivots]);
     }
 }

@@ -480,6 +480,23 @@ fn any_number_of_threads_gives_the_same_bytes() {
 }
 
 #[test]
+fn right_hand_sides_together_give_the_bytes_of_each_alone() {
+    for threads in [1, 3] {
+        let system = tied::<2>(220, 30, 1, 0.3);
+        let mut factorization = Factorization::new(&system.pattern).unwrap().with_workers(&Workers::new(threads));
+        factorization.factorize(&system.values).unwrap();
+        // More than are substituted together; the third is zero.
+        let unknowns = system.pattern.unknowns();
+        let mut rights: Vec<f64> = (0..19 * unknowns).map(|k| (0.7 * k as f64).sin()).collect();
+        rights[2 * unknowns..3 * unknowns].fill(0.0);
+        let mut each = rights.clone();
+        let worst = each.chunks_exact_mut(unknowns).map(|right| factorization.solve(&system.values, right).unwrap()).fold(0.0, f64::max);
+        assert_eq!(factorization.solve_all(&system.values, &mut rights), Ok(worst));
+        assert!(rights == each);
+    }
+}
+
+#[test]
 fn an_interrupt_ends_a_factorization_and_leaves_the_next_one_alone() {
     let system = tied::<2>(120, 20, 1, 0.3);
     let flag = Arc::new(AtomicBool::new(true));

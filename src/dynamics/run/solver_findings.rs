@@ -9,7 +9,7 @@ pub(super) fn taken_over(taken_over: TakenOver, last: &LedgerRow) -> Option<RunF
     let TakenOver { unconverged, is_unsuited } = taken_over;
     let explanation = match unconverged {
         0 if !is_unsuited => return None,
-        0 => "the model has unknowns without a coarse representation, such as those of rigid bodies".to_owned(),
+        0 => "half of the nodes or more have constraints, and no level of the iteration may join them".to_owned(),
         1 => "the iteration did not converge for one matrix".to_owned(),
         count => format!("the iteration did not converge for {count} matrices"),
     };

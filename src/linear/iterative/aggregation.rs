@@ -6,19 +6,17 @@ use crate::math::tolerances::AGGREGATE_DEPENDENT;
 /// Aggregate of a node without strong couplings.
 pub(super) const NONE: u32 = u32::MAX;
 
-/// Divides nodes into aggregates: neighborhoods of strongly coupled nodes that do not overlap; nodes between join the neighborhood to
-/// which they are coupled most strongly (Vanek, Mandel and Brezina 1996, algorithm 2). Nodes couple strongly if
-/// `|A_ij|^2 > threshold^2 |A_ii| |A_jj|` and they are of one body. Returns the aggregate of every node, and their number.
-pub(super) fn aggregates<const N: usize>(matrix: &BlockMatrix<N, N>, bodies: &[u32], threshold: f64) -> (Vec<u32>, usize) {
-    let nodes = matrix.rows();
+/// Divides the leading `nodes` into aggregates: neighborhoods of strongly coupled nodes that do not overlap; nodes between join the
+/// neighborhood to which they are coupled most strongly (Vanek, Mandel and Brezina 1996, algorithm 2). Nodes couple strongly if
+/// `|A_ij|^2 > threshold^2 |A_ii| |A_jj|`. Returns the aggregate of every node, and their number.
+pub(super) fn aggregates<const N: usize>(matrix: &BlockMatrix<N, N>, nodes: usize, threshold: f64) -> (Vec<u32>, usize) {
     let own: Vec<f64> = (0..nodes).map(|i| frobenius(&matrix.diagonal(i))).collect();
     let (mut starts, mut strong): (Vec<usize>, Vec<(u32, f64)>) = (vec![0], Vec::new());
     for i in 0..nodes {
         let (columns, blocks) = matrix.row(i);
-        for (&j, block) in columns.iter().zip(blocks).filter(|(j, _)| **j != i as u32) {
+        for (&j, block) in columns.iter().zip(blocks).filter(|(j, _)| **j != i as u32 && (**j as usize) < nodes) {
             let size = frobenius(block);
-            let is_near = bodies[i] == bodies[j as usize];
-            if is_near && size > 0.0 && size * size > threshold * threshold * own[i] * own[j as usize] {
+            if size > 0.0 && size * size > threshold * threshold * own[i] * own[j as usize] {
                 strong.push((j, size / own[j as usize].sqrt()));
             }
         }

@@ -2,13 +2,12 @@
 //!
 //! Near-null vectors (rigid motions) are reproduced exactly by the prolongation `P = (I - omega D^-1 A) P_0`, where `P_0` is constant on
 //! aggregates; the coarse matrix is `P^T A P` (Vanek, Mandel and Brezina, Computing 56, 1996). Nodes of the finest level have `D` unknowns,
-//! those of all others `M`, one for each near-null vector.
-
-use faer::Mat;
-use faer::linalg::solvers::{PartialPivLu, Solve};
+//! those of all others `M`, one for each near-null vector. The last nodes of a level may be kept: they are not smoothed, and the next level
+//! has them as they are.
 
 use super::aggregation::{NONE, aggregates, tentative};
-use super::blocks::{Block, BlockMatrix, TOGETHER, add_product, in_parts};
+use super::blocks::{Block, BlockMatrix, TOGETHER, add_product, frobenius, in_parts};
+use super::coarsest::Coarsest;
 use super::smoother::{Smoother, Start};
 use crate::math::workers::Workers;
 
@@ -18,8 +17,8 @@ const DAMPING: f64 = 4.0 / 3.0;
 /// Threshold of strong couplings on the finest level, halved from level to level.
 const STRONG: f64 = 0.08;
 
-/// Number of unknowns that a dense factorization solves directly.
-const SMALL: usize = 1200;
+/// Number of unknowns that are always factorized.
+pub(super) const SMALL: usize = 1200;
 
 /// Largest number of levels.
 const MOST_LEVELS: usize = 20;
@@ -39,33 +38,47 @@ struct Level<const N: usize, const M: usize> {
     coarse: Vec<[f64; M]>,
 }
 
-/// The levels of a matrix with `D` unknowns a node and `M` near-null vectors.
+/// The levels of a matrix with `D` unknowns a node and `M` near-null vectors, without the coarsest one.
 pub(super) struct Hierarchy<const D: usize, const M: usize> {
     first: Option<Box<Level<D, M>>>,
     rest: Vec<Level<M, M>>,
-    bottom: PartialPivLu<f64>,
+}
+
+/// Matrix of the coarsest level: the only one, or of a coarser one.
+pub(super) enum Last<const D: usize, const M: usize> {
+    Fine(BlockMatrix<D, D>),
+    Coarse(BlockMatrix<M, M>),
+}
+
+/// Nodes of a level: free ones that are joined, and kept ones behind them.
+#[derive(Clone, Copy)]
+struct Nodes {
+    free: usize,
+    kept: usize,
 }
 
 impl<const D: usize, const M: usize> Hierarchy<D, M> {
-    /// Builds the levels of a matrix with its near-null vectors, one column each. Nodes of different bodies share no aggregate.
-    pub fn new(matrix: BlockMatrix<D, D>, modes: &[Block<D, M>], mut bodies: Vec<u32>, workers: &Workers) -> Self {
-        if D * matrix.rows() <= SMALL {
-            return Hierarchy { first: None, rest: Vec::new(), bottom: dense(&matrix) };
+    /// Builds the levels of a matrix with its near-null vectors, one column each. The leading `free` nodes are joined. Returns the levels,
+    /// and the matrix of the coarsest one.
+    pub fn new(matrix: BlockMatrix<D, D>, modes: Vec<Block<D, M>>, free: usize, workers: &Workers) -> (Self, Last<D, M>) {
+        if D * matrix.rows() <= SMALL || free == 0 {
+            return (Hierarchy { first: None, rest: Vec::new() }, Last::Fine(matrix));
         }
         let mut threshold = STRONG;
-        let (first, mut coarse, mut modes) = Level::new(matrix, modes, &mut bodies, threshold, workers);
+        let mut nodes = Nodes { free, kept: matrix.rows() - free };
+        let (first, mut coarse, mut modes) = Level::new(matrix, &modes, &mut nodes, |row| row.is_kept(), threshold, workers);
         let mut rest: Vec<Level<M, M>> = Vec::new();
-        while M * coarse.rows() > SMALL && rest.len() < MOST_LEVELS {
+        while M * nodes.free > SMALL && rest.len() < MOST_LEVELS {
             threshold *= 0.5;
-            let before = coarse.rows();
-            let (level, next, coarse_modes) = Level::new(coarse, &modes, &mut bodies, threshold, workers);
+            let before = nodes.free;
+            let (level, next, coarse_modes) = Level::new(coarse, &modes, &mut nodes, |row| row.touches_kept(), threshold, workers);
             rest.push(level);
             (coarse, modes) = (next, coarse_modes);
-            if coarse.rows() == 0 || coarse.rows() == before {
+            if nodes.free == 0 || nodes.free == before {
                 break;
             }
         }
-        Hierarchy { first: Some(Box::new(first)), rest, bottom: dense(&coarse) }
+        (Hierarchy { first: Some(Box::new(first)), rest }, Last::Coarse(coarse))
     }
 
     /// Bytes of all levels.
@@ -73,10 +86,10 @@ impl<const D: usize, const M: usize> Hierarchy<D, M> {
         self.first.as_ref().map_or(0, |level| level.bytes()) + self.rest.iter().map(Level::bytes).sum::<usize>()
     }
 
-    /// `x :=` one V-cycle for the right-hand side `b`.
-    pub fn cycle(&mut self, b: &[[f64; D]], x: &mut [[f64; D]], workers: &Workers) {
+    /// One V-cycle for the right-hand sides `b` of the nodes and `border` of the constraints, which become the solution.
+    pub fn cycle(&mut self, b: &mut [[f64; D]], border: &mut [f64], coarsest: &mut Coarsest, workers: &Workers) {
         let Some(first) = &mut self.first else {
-            return solve_dense(&self.bottom, b, x);
+            return coarsest.solve(b, border);
         };
         first.vectors[0].copy_from_slice(b);
         let mut right = first.descend(workers);
@@ -84,35 +97,41 @@ impl<const D: usize, const M: usize> Hierarchy<D, M> {
             std::mem::swap(&mut level.vectors[0], &mut right);
             right = level.descend(workers);
         }
-        let mut solution = vec![[0.0; M]; right.len()];
-        solve_dense(&self.bottom, &right, &mut solution);
+        coarsest.solve(&mut right, border);
         for level in self.rest.iter_mut().rev() {
-            level.ascend(&solution, workers);
-            solution.clone_from(&level.vectors[1]);
+            level.ascend(&right, workers);
+            right.clone_from(&level.vectors[1]);
         }
-        first.ascend(&solution, workers);
-        x.copy_from_slice(&first.vectors[1]);
+        first.ascend(&right, workers);
+        b.copy_from_slice(&first.vectors[1]);
     }
 }
 
 impl<const N: usize, const M: usize> Level<N, M> {
-    /// A level, the matrix of the next one, and its near-null vectors; `bodies` become those of the next level.
+    /// A level, the matrix of the next one, and its near-null vectors; `nodes` become those of the next level. Prolongation is not smoothed
+    /// where `still` says so.
     fn new(
         matrix: BlockMatrix<N, N>,
         modes: &[Block<N, M>],
-        bodies: &mut Vec<u32>,
+        nodes: &mut Nodes,
+        is_still: fn(&Row<N>) -> bool,
         threshold: f64,
         workers: &Workers,
     ) -> (Self, BlockMatrix<M, M>, Vec<Block<M, M>>) {
-        let smoother = Smoother::new(&matrix, workers);
-        let (of, count) = aggregates(&matrix, bodies, threshold);
-        let mut coarse_bodies = vec![NONE; count];
-        of.iter().zip(&*bodies).filter(|(a, _)| **a != NONE).for_each(|(&a, &body)| coarse_bodies[a as usize] = body);
-        *bodies = coarse_bodies;
-        let (values, coarse_modes) = tentative(&of, count, modes);
-        let prolongation = smoothed(&matrix, &smoother, &of, &values, workers);
+        let Nodes { free, kept } = *nodes;
+        let smoother = Smoother::new(&matrix, free, workers);
+        let (mut of, aggregates) = aggregates(&matrix, free, threshold);
+        let (mut values, mut coarse_modes) = tentative(&of, aggregates, &modes[..free]);
+        for (k, modes) in modes[free..].iter().enumerate() {
+            of.push((aggregates + k) as u32);
+            values.push(std::array::from_fn(|i| std::array::from_fn(|k| f64::from(i == k))));
+            coarse_modes.push(std::array::from_fn(|i| modes.get(i).copied().unwrap_or([0.0; M])));
+        }
+        let count = aggregates + kept;
+        let prolongation = smoothed(&matrix, &smoother, &of, &values, free, is_still, workers);
         let restriction = prolongation.transposed(count);
         let coarse = galerkin(&matrix, &prolongation, &restriction, workers);
+        *nodes = Nodes { free: aggregates, kept };
         let rows = matrix.rows();
         let level = Level {
             matrix,
@@ -150,18 +169,45 @@ impl<const N: usize, const M: usize> Level<N, M> {
     }
 }
 
+/// Row of a matrix whose kept nodes are those from `free` on.
+struct Row<'a, const N: usize> {
+    number: usize,
+    free: usize,
+    columns: &'a [u32],
+    blocks: &'a [Block<N, N>],
+}
+
+impl<const N: usize> Row<'_, N> {
+    /// True for kept nodes.
+    fn is_kept(&self) -> bool {
+        self.number >= self.free
+    }
+
+    /// True for kept nodes, and for nodes that couple with them. If those were smoothed on coarse levels, too, their couplings with kept
+    /// nodes would become nine times as many from level to level.
+    fn touches_kept(&self) -> bool {
+        self.is_kept() || self.columns.iter().zip(self.blocks).any(|(j, block)| *j as usize >= self.free && frobenius(block) > 0.0)
+    }
+}
+
 /// Prolongation `(I - omega D^-1 A) P_0`.
 fn smoothed<const N: usize, const M: usize>(
     matrix: &BlockMatrix<N, N>,
     smoother: &Smoother<N>,
     of: &[u32],
     values: &[Block<N, M>],
+    free: usize,
+    is_still: fn(&Row<N>) -> bool,
     workers: &Workers,
 ) -> BlockMatrix<N, M> {
     let omega = DAMPING / smoother.largest;
     let row = |i: usize, row: &mut Vec<(u32, Block<N, M>)>| {
         row.clear();
         let (columns, blocks) = matrix.row(i);
+        if is_still(&Row { number: i, columns, free, blocks }) {
+            row.extend((of[i] != NONE).then_some((of[i], values[i])));
+            return;
+        }
         for (&j, block) in columns.iter().zip(blocks).filter(|(j, _)| of[**j as usize] != NONE) {
             let a = of[j as usize];
             let place = row.iter().position(|(other, _)| *other == a).unwrap_or_else(|| {
@@ -245,26 +291,4 @@ fn place_of<B>(place: &mut u32, list: &mut Vec<(u32, B)>, item: u32, zero: B) ->
         list.push((item, zero));
     }
     *place as usize
-}
-
-/// Dense factors of a small matrix; zero rows get a unit diagonal.
-fn dense<const N: usize>(matrix: &BlockMatrix<N, N>) -> PartialPivLu<f64> {
-    let mut full = Mat::<f64>::zeros(N * matrix.rows(), N * matrix.rows());
-    for row in 0..matrix.rows() {
-        let (columns, blocks) = matrix.row(row);
-        for (&column, block) in columns.iter().zip(blocks) {
-            for i in 0..N {
-                for k in 0..N {
-                    full[(N * row + i, N * column as usize + k)] = block[i][k];
-                }
-            }
-        }
-    }
-    full.partial_piv_lu()
-}
-
-fn solve_dense<const N: usize>(factors: &PartialPivLu<f64>, b: &[[f64; N]], x: &mut [[f64; N]]) {
-    let right = Mat::from_fn(N * b.len(), 1, |i, _| b[i / N][i % N]);
-    let solution = factors.solve(&right);
-    x.iter_mut().flatten().enumerate().for_each(|(i, x)| *x = solution[(i, 0)]);
 }

@@ -6,15 +6,20 @@
 
 mod aggregation;
 mod blocks;
+mod border;
+mod coarsest;
 mod hierarchy;
 mod krylov;
+mod refusal;
 mod saddle;
 mod smoother;
 #[cfg(test)]
 mod tests;
 
+use border::Scaled;
 use krylov::{Krylov, RESTART, System};
-use saddle::{Saddle, Scaled};
+pub(super) use refusal::Refusal;
+use saddle::Saddle;
 
 use super::error::LinearError;
 use super::pattern::Pattern;
@@ -28,17 +33,6 @@ const MOST_ITERATIONS: usize = 600;
 
 /// Reduction of the residual by one cycle above which the iteration is given up.
 const SLOW: f64 = 0.5;
-
-/// Reason why a system is not solved by iteration.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Refusal {
-    /// The matrix has unknowns for which there is no preconditioner.
-    Unsuited,
-    /// The residual did not fall far enough.
-    NotConverged,
-    /// Error that is independent of the solver.
-    Error(LinearError),
-}
 
 /// Preconditioners for two and three coordinates a node.
 enum Preconditioner {
@@ -60,7 +54,14 @@ pub(super) struct Iterative {
 
 impl Iterative {
     /// Makes the preconditioner of a matrix.
-    pub fn prepare(&mut self, pattern: &Pattern, positions: &[f64], values: &[f64], workers: &Workers) -> Result<(), Refusal> {
+    pub fn prepare(
+        &mut self,
+        pattern: &Pattern,
+        positions: &[f64],
+        values: &[f64],
+        workers: &Workers,
+        watch: &InterruptWatch,
+    ) -> Result<(), Refusal> {
         self.preconditioner = None;
         if !all_finite(values) {
             return Err(Refusal::Error(LinearError::NotFinite));
@@ -70,13 +71,12 @@ impl Iterative {
         vertex_scales(pattern, values, &mut self.vertex_scale);
         spread(pattern, &self.vertex_scale, &mut self.scale);
         let matrix = Scaled { pattern, values, scales: &self.vertex_scale, positions };
-        let made = workers.together(|| match (0..pattern.vertices()).find(|&v| !pattern.is_multiplier(v)).map(|v| pattern.size(v)) {
-            Some(2) => Saddle::new(&matrix, workers).map(|saddle| Preconditioner::Plane(Box::new(saddle))),
-            Some(3) => Saddle::new(&matrix, workers).map(|saddle| Preconditioner::Space(Box::new(saddle))),
-            _ => None,
+        self.preconditioner = Some(match (0..pattern.vertices()).find(|&v| !pattern.is_multiplier(v)).map(|v| pattern.size(v)) {
+            Some(2) => Preconditioner::Plane(Box::new(Saddle::new(&matrix, workers, watch)?)),
+            Some(3) => Preconditioner::Space(Box::new(Saddle::new(&matrix, workers, watch)?)),
+            _ => return Err(Refusal::Unsuited),
         });
-        self.preconditioner = made;
-        if self.preconditioner.is_some() { Ok(()) } else { Err(Refusal::Unsuited) }
+        Ok(())
     }
 
     /// Solves with the matrix of the last preconditioner; `right` becomes the solution. Returns the backward error, as that of the direct

@@ -30,16 +30,17 @@ pub(super) enum Start {
 
 /// Smoother of one level.
 pub(super) struct Smoother<const N: usize> {
-    /// Inverse diagonal blocks `D^-1`.
+    /// Inverse diagonal blocks `D^-1`, zero for rows that are not smoothed.
     pub inverse: Vec<Block<N, N>>,
     /// Largest eigenvalue of `D^-1 A`, estimated.
     pub largest: f64,
 }
 
 impl<const N: usize> Smoother<N> {
-    /// Smoother of a matrix.
-    pub fn new(matrix: &BlockMatrix<N, N>, workers: &Workers) -> Self {
-        let inverse: Vec<Block<N, N>> = (0..matrix.rows()).map(|i| inverse(&matrix.diagonal(i))).collect();
+    /// Smoother of the leading `free` rows of a matrix; the others are left as they are.
+    pub fn new(matrix: &BlockMatrix<N, N>, free: usize, workers: &Workers) -> Self {
+        let row = |i: usize| if i < free { inverse(&matrix.diagonal(i)) } else { [[0.0; N]; N] };
+        let inverse: Vec<Block<N, N>> = (0..matrix.rows()).map(row).collect();
         let mut smoother = Smoother { inverse, largest: 1.0 };
         let rows = matrix.rows();
         let zero = vec![[0.0; N]; rows];
