@@ -111,6 +111,15 @@ pub enum Finding {
         /// Interference, and the height of the curves missing in flat facets.
         of: PressFit,
     },
+    /// Curves in space that deviate from their height profiles on unlike meshes, by too much for their interference.
+    UnevenFit {
+        /// Name of the secondary surface.
+        secondary: String,
+        /// Name of the primary surface.
+        primary: String,
+        /// Interference, and the deviation of the curves from their profiles.
+        of: PressFit,
+    },
     /// Secondary nodes of a tie without an opposite primary point.
     Untied {
         /// Name of the tie.
@@ -181,13 +190,9 @@ impl std::fmt::Display for Finding {
                 100.0 * lost.abs() / interference,
                 if *lost > 0.0 { "loose" } else { "tight" }
             ),
-            Finding::CoarseFit { secondary, primary, of: PressFit { interference, missed } } => write!(
-                out,
-                "facets of \"{secondary}\" and \"{primary}\" are too coarse for their press fit: curves through their nodes overlap by \
-                 {}, and rise {} above facets that turn by more than 25 degrees, which are not taken for curves",
-                three_digits(*interference),
-                three_digits(*missed)
-            ),
+            Finding::CoarseFit { secondary, primary, of } | Finding::UnevenFit { secondary, primary, of } => {
+                write!(out, "{}", self.press_fit([secondary, primary], of))
+            }
             Finding::Untied { nodes, of, reach, .. } => {
                 let many = if nodes == of {
                     format!("none of the {of} nodes has anything")
@@ -201,6 +206,26 @@ impl std::fmt::Display for Finding {
 }
 
 impl Finding {
+    /// Text about a press fit in space between two sides.
+    fn press_fit(&self, [secondary, primary]: [&String; 2], of: &PressFit) -> String {
+        let PressFit { interference, missed, deviation, .. } = *of;
+        if matches!(self, Finding::UnevenFit { .. }) {
+            return format!(
+                "nodal pressures between \"{secondary}\" and \"{primary}\" have errors of about {:.0} %: their facets do not match, and \
+                 follow their curves to {}, which overlap by {}",
+                100.0 * of.pressure_error(),
+                three_digits(deviation),
+                three_digits(interference)
+            );
+        }
+        format!(
+            "facets of \"{secondary}\" and \"{primary}\" are too coarse for their press fit: curves through their nodes overlap by {}, and \
+             rise {} above facets that are taken for straight, because they turn by more than 25 degrees or by option",
+            three_digits(interference),
+            three_digits(missed)
+        )
+    }
+
     /// Stable message code, which `conserva doc` explains.
     pub fn code(&self) -> &'static str {
         match self {
@@ -212,6 +237,7 @@ impl Finding {
             Finding::Interlocking { .. } => "C0405",
             Finding::DistortedFit { .. } => "C0406",
             Finding::CoarseFit { .. } => "C0407",
+            Finding::UnevenFit { .. } => "C0409",
             Finding::Untied { .. } => "C0408",
         }
     }
@@ -249,6 +275,11 @@ impl Finding {
                 "let contact follow the curve, or take facets of one length on both sides, or more of them".into()
             }
             Finding::CoarseFit { .. } => "make facets half as long, which rise a quarter as much, or use cells of second order".into(),
+            Finding::UnevenFit { .. } => {
+                "make facets half as long, which follow the curve sixteen times as closely, use matching meshes, or make the coarser side \
+                 the secondary one"
+                    .into()
+            }
             Finding::Untied { .. } => "name boundaries that lie on each other, or give a larger `reach`".into(),
         }
     }

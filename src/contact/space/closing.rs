@@ -25,7 +25,7 @@ use super::vertices::{Forces, PerTriangle, Vertex, shape_gradients, slope_of};
 use crate::contact::numbers::Number;
 
 /// Quadrature points of a triangle (area coordinates) and weights, exact to degree four (Dunavant, IJNME 21, 1985).
-const POINTS: [([f64; 3], f64); 6] = {
+pub const POINTS: [([f64; 3], f64); 6] = {
     const A: f64 = 0.445_948_490_915_964_9;
     const B: f64 = 0.091_576_213_509_770_74;
     const OF_A: f64 = 0.223_381_589_678_011_47;

@@ -6,10 +6,12 @@ mod corners_of_obstacles;
 #[cfg(test)]
 mod depth_study;
 mod dual;
+mod exact_profile;
 mod facets;
 mod features;
 mod found;
 mod gaps;
+mod interior;
 mod mending;
 mod mortar;
 mod nodes;

@@ -123,7 +123,7 @@ impl MortarInSpace {
     }
 
     fn new(seen: &ProxySurfacesInSpace) -> Self {
-        let ProxySurfacesInSpace { secondary, primary, reference, profiles, .. } = seen;
+        let ProxySurfacesInSpace { secondary, primary, reference, profiles: [own, _], .. } = seen;
         let sides = Sides::of(secondary.clone(), primary.clone(), reference);
         let search = PairSearch::new(&sides, reference, SPARE * sides.facet_size);
         let turns = slip::turns(&sides.secondary, reference);
@@ -132,7 +132,7 @@ impl MortarInSpace {
             search,
             q_0: Vec::new(),
             start: Vec::new(),
-            profiles: profiles.clone(),
+            profiles: [own.clone(), seen.primary_profiles()],
             heights: [0, 1].map(|side| seen.heights(side)),
             turns,
             workers: Workers::default(),

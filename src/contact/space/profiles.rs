@@ -16,10 +16,11 @@
 //! The sagitta `s_e = |e| a (1 + 2 a^2/15 + ..)/4` preserves the area of the circular segment. The height is quadratic over the facet with
 //! the mean `sum_e s_e/3`, and constant in facet coordinates, so that the surface moves with the facet.
 
-use std::f64::consts::FRAC_1_SQRT_2;
+use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 
 use nalgebra::{DMatrix, DVector};
 
+use super::interior::Interior;
 use crate::contact::faces::{self, Vector};
 use crate::contact::numbers::Number;
 use crate::contact::surface::Surface;
@@ -38,6 +39,14 @@ const OPEN: f64 = 0.05;
 /// Quadratic height over a triangle with the shape functions `L_i`, `sum b_ij L_i L_j`: `b_00, b_11, b_22, b_01, b_12, b_20` `[length]`,
 /// outwards.
 pub type Form = [f64; 6];
+
+/// Iterations for the point of a tilted triangle over which a point of the curve lies; one is exact to second order in the tilt.
+const TILTS: usize = 3;
+
+/// Form with the heights over three corners and the sagittas along the sides that start there.
+fn form([a, b, c]: [f64; 3], [ab, bc, ca]: [f64; 3]) -> Form {
+    [a, b, c, 2.0 * ab + 0.5 * (a + b), 2.0 * bc + 0.5 * (b + c), 2.0 * ca + 0.5 * (c + a)]
+}
 
 /// Form of a triangle with exchanged first two corners.
 pub fn turned(&[a, b, c, ab, bc, ca]: &Form) -> Form {
@@ -66,30 +75,60 @@ pub struct Profile {
 
 impl Profile {
     /// Profile from heights of the curve over the corners and from sagittas along the sides, each at the index of the corner where the side
-    /// starts. Over a facet of four nodes the height is the quadratic serendipity interpolation; the triangles have its values at the
-    /// corners, at the middles of sides and spokes, and at the mean point.
+    /// starts; inside of a facet of four nodes by serendipity interpolation over a plane parallelogram.
+    #[cfg(test)]
     pub fn new(corners: &[f64], sagittas: &[f64]) -> Self {
-        let form = |[a, b, c]: [f64; 3], [ab, bc, ca]: [f64; 3]| {
-            [a, b, c, 2.0 * ab + 0.5 * (a + b), 2.0 * bc + 0.5 * (b + c), 2.0 * ca + 0.5 * (c + a)]
-        };
+        match (corners.try_into(), sagittas.try_into()) {
+            (Ok(corners), Ok(sagittas)) => Self::of_four(&corners, &sagittas, &Interior::of_sides(&corners, &sagittas)),
+            _ => Self::of_three([corners[0], corners[1], corners[2]], [sagittas[0], sagittas[1], sagittas[2]]),
+        }
+    }
+
+    /// Profile of a facet of three nodes.
+    pub fn of_three(corners: [f64; 3], sagittas: [f64; 3]) -> Self {
         let mut profile = Profile { forms: [[0.0; 6]; 4], is_curved: true };
-        if let (&[a, b, c], &[ab, bc, ca]) = (corners, sagittas) {
-            profile.forms[0] = form([a, b, c], [ab, bc, ca]);
-            return profile;
-        }
-        let (count, sum) = (corners.len(), sagittas.iter().sum::<f64>());
-        let middle = corners.iter().sum::<f64>() / count as f64 + 0.5 * sum;
-        // At a quarter of the diagonal from a corner the height is 3/4 (3/4 (s + s) + 1/4 (s + s)), with the sagittas of the two adjacent
-        // sides and of the two other ones.
-        let spoke = |k: usize| {
-            let near = sagittas[k] + sagittas[(k + count - 1) % count];
-            0.1875 * sum + 0.375 * near - 0.25 * sum
-        };
-        for (k, of) in profile.forms[..count].iter_mut().enumerate() {
-            let next = (k + 1) % count;
-            *of = form([corners[k], corners[next], middle], [sagittas[k], spoke(next), spoke(k)]);
-        }
+        profile.forms[0] = form(corners, sagittas);
         profile
+    }
+
+    /// Profile of a facet of four nodes from the heights over its four triangles.
+    pub fn of_four(corners: &[f64; 4], sagittas: &[f64; 4], Interior { middle, spokes }: &Interior) -> Self {
+        let of = |k: usize| {
+            let next = (k + 1) % 4;
+            form([corners[k], corners[next], *middle], [sagittas[k], spokes[next], spokes[k]])
+        };
+        Profile { forms: [0, 1, 2, 3].map(of), is_curved: true }
+    }
+
+    /// Heights along the normal of each triangle of a facet with these nodes, from heights along the unit normal of the facet. Triangles of
+    /// warped facets are tilted against it.
+    ///
+    /// The curve at the height `H` along the facet's normal `n` over `x` has the height `H (n.t)` along the triangle's normal `t` over
+    /// `x + H (n - (n.t) t)`.
+    pub fn across_triangles(mut self, nodes: &[Vector], normal: Vector) -> Self {
+        let &[a, b, c, d] = nodes else { return self };
+        let middle = 0.25 * (a + b + c + d);
+        for (form, [a, b]) in self.forms.iter_mut().zip([[a, b], [b, c], [c, d], [d, a]]) {
+            let [first, second] = [b - a, middle - a];
+            let area = first.cross(&second);
+            let Some(own) = area.try_normalize(0.0) else { continue };
+            let slope = normal.dot(&own);
+            let shift = normal - own * slope;
+            let [of_b, of_middle] = [shift.cross(&second), first.cross(&shift)].map(|part| part.dot(&area) / area.norm_squared());
+            let by = [-of_b - of_middle, of_b, of_middle];
+            let height = |at: [f64; 3]| {
+                let mut found = value(&derivatives(form, &at), &at);
+                for _ in 0..TILTS {
+                    let foot = [0, 1, 2].map(|i| at[i] - found * by[i]);
+                    found = value(&derivatives(form, &foot), &foot);
+                }
+                found * slope
+            };
+            let [a, b, c] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(height);
+            let [ab, bc, ca] = [[0.5, 0.5, 0.0], [0.0, 0.5, 0.5], [0.5, 0.0, 0.5]].map(height);
+            *form = self::form([a, b, c], [ab - 0.5 * (a + b), bc - 0.5 * (b + c), ca - 0.5 * (c + a)]);
+        }
+        self
     }
 
     /// True for a facet without curvature.
@@ -119,11 +158,17 @@ pub struct NodalRows {
     pub profiles: Vec<Profile>,
 }
 
+/// Deviation of a circular arc from the parabola with the same ends and the same mean height, over the arc's length and the cube of its
+/// angle.
+const DEVIATION: f64 = 1.0 / 640.0;
+
 /// Mean heights of the curved surface over the facets of a surface.
 #[derive(Clone, Debug, Default)]
 pub struct Profiles {
     /// Mean height over each facet `[length]`.
     heights: Vec<f64>,
+    /// Largest deviation of the surface from a quadratic height over each facet `[length]`.
+    deviations: Vec<f64>,
 }
 
 impl Profiles {
@@ -135,13 +180,29 @@ impl Profiles {
     /// Heights with another cosine of the largest angle between two facets of a curve.
     pub fn of_curve(surface: &Surface, q: &[f64], smooth: f64) -> Self {
         let facets = Facets::new(surface, q, smooth);
-        let heights = (0..surface.count()).map(|facet| facets.sagittas(facet).iter().sum::<f64>() / 3.0).collect();
-        Profiles { heights }
+        let sagittas: Vec<[f64; 4]> = (0..surface.count()).map(|facet| facets.sagittas(facet)).collect();
+        let deviation = |facet: usize| {
+            let nodes = surface.facet(facet);
+            let of_side = |k: usize| {
+                let length = (faces::at(nodes[(k + 1) % nodes.len()], q) - faces::at(nodes[k], q)).norm();
+                DEVIATION * length * (8.0 * sagittas[facet][k].abs() / length).powi(3)
+            };
+            (0..nodes.len()).map(of_side).fold(0.0, f64::max)
+        };
+        Profiles {
+            heights: sagittas.iter().map(|sagittas| sagittas.iter().sum::<f64>() / 3.0).collect(),
+            deviations: (0..surface.count()).map(deviation).collect(),
+        }
     }
 
     /// Mean height of the curved surface over a facet, 0 for flat facets `[length]`.
     pub fn height(&self, facet: usize) -> f64 {
         self.heights[facet]
+    }
+
+    /// Largest deviation of the curved surface from the height profile of a facet `[length]`.
+    pub fn deviation(&self, facet: usize) -> f64 {
+        self.deviations[facet]
     }
 
     /// Largest mean height of a convex surface over some facets, by which sub-facet points may lie above it `[length]`.
@@ -174,25 +235,55 @@ pub fn profiles(surface: &Surface, seen: &[f64], truth: &[f64], of_faces: &[Opti
     (0..surface.count()).map(|facet| facets.profile(facet, seen)).collect()
 }
 
+/// Height profiles of primary facets from heights along the facets' normals, see [`Profile::across_triangles`].
+pub fn across_triangles(surface: &Surface, q: &[f64], profiles: &mut [Profile]) {
+    for (facet, profile) in profiles.iter_mut().enumerate().filter(|(_, profile)| !profile.is_flat()) {
+        let nodes: Vec<Vector> = surface.facet(facet).iter().map(|&node| faces::at(node, q)).collect();
+        *profile = profile.across_triangles(&nodes, faces::normal(surface.facet(facet), q));
+    }
+}
+
 impl<'a> Facets<'a> {
     fn new(surface: &'a Surface, q: &'a [f64], smooth: f64) -> Self {
         let normals: Vec<Vector> = (0..surface.count()).map(|facet| faces::normal(surface.facet(facet), q)).collect();
         let mut facets = Facets { surface, q, normals, smooth, at_nodes: vec![None; surface.nodes().len()], of_faces: &[] };
         let of_node = |node: usize| {
             let around: Vec<usize> = surface.adjacent_facets(node).iter().map(|&facet| facet as usize).collect();
-            let is_smooth = |&one: &usize| around.iter().all(|&other| facets.normals[one].dot(&facets.normals[other]) >= smooth);
-            around.iter().all(is_smooth).then(|| facets.fitted(surface.nodes()[node], &around))
+            let is_smooth = around.iter().all(|&facet| facets.connected(facet, node).len() == around.len());
+            is_smooth.then(|| facets.fitted(surface.nodes()[node], &around))
         };
         let at_nodes = (0..surface.nodes().len()).map(of_node).collect();
         facets.at_nodes = at_nodes;
         facets
     }
 
+    /// Facets around a node that continue a facet smoothly, including itself: connected to it by edges along which facets turn by at most
+    /// the largest angle of a curve. Across a node where three facets meet, facets of a sphere turn by up to 1.4 times that.
+    fn connected(&self, facet: usize, node: usize) -> Vec<usize> {
+        let own = self.surface.nodes()[node];
+        let widest = (SQRT_2 * self.smooth.acos()).cos();
+        let turn = |one: usize, other: usize| self.normals[one].dot(&self.normals[other]);
+        let have_edge = |one: usize, other: usize| {
+            let others = self.surface.facet(other);
+            self.surface.facet(one).iter().any(|&corner| corner != own && others.contains(&corner))
+        };
+        let mut found = vec![facet];
+        let mut next = 0;
+        while next < found.len() {
+            for other in self.surface.adjacent_facets(node).iter().map(|&other| other as usize) {
+                let goes_on = turn(found[next], other) >= self.smooth && turn(facet, other) >= widest;
+                if goes_on && !found.contains(&other) && have_edge(found[next], other) {
+                    found.push(other);
+                }
+            }
+            next += 1;
+        }
+        found
+    }
+
     /// Facets adjacent to corner `k` of a facet that continue it smoothly, including itself.
-    fn around(&self, facet: usize, k: usize) -> impl Iterator<Item = usize> {
-        let node = self.surface.local_facet(facet)[k] as usize;
-        let goes_on = move |&other: &usize| self.normals[other].dot(&self.normals[facet]) >= self.smooth;
-        self.surface.adjacent_facets(node).iter().map(|&other| other as usize).filter(goes_on)
+    fn around(&self, facet: usize, k: usize) -> Vec<usize> {
+        self.connected(facet, self.surface.local_facet(facet)[k] as usize)
     }
 
     /// Edge vectors of a facet from one of its nodes.
@@ -213,14 +304,14 @@ impl<'a> Facets<'a> {
             return normal;
         }
         let node = self.surface.local_facet(facet)[k] as usize;
-        self.at_nodes[node].unwrap_or_else(|| self.fitted(self.surface.facet(facet)[k], &self.around(facet, k).collect::<Vec<_>>()))
+        self.at_nodes[node].unwrap_or_else(|| self.fitted(self.surface.facet(facet)[k], &self.around(facet, k)))
     }
 
     /// Normal at a node of the quadric fitted to the nodes of the facets `around`.
     fn fitted(&self, node: u32, around: &[usize]) -> Vector {
         let weighted = |&other: &usize| {
             let [a, b] = self.sides(other, node);
-            self.normals[other] * (a.cross(&b).norm() / (a.norm_squared() * b.norm_squared()))
+            a.cross(&b) / (a.norm_squared() * b.norm_squared())
         };
         let normal = around.iter().map(weighted).sum::<Vector>().try_normalize(0.0).unwrap_or_default();
         if around.iter().all(|&facet| self.surface.facet(facet).len() == 4) {
@@ -253,16 +344,21 @@ impl<'a> Facets<'a> {
         ways.filter(|way| way.norm_squared() > 0.0).collect()
     }
 
-    /// Angle of the surface from a facet's middle to its corner `k`, along `way`, which leads away from the facet; `None` where the surface
-    /// ends.
+    /// Angle of the surface against the side of a facet that ends at corner `k` with the vector `way`, in the plane of the side and the
+    /// facet's normal, positive on a convex surface; `None` where the surface ends.
     fn turn(&self, facet: usize, k: usize, way: Vector) -> Option<f64> {
-        let around: Vec<usize> = self.around(facet, k).collect();
-        let goes_on = |r: &Vector| r.dot(&way) > ONWARDS * r.norm() * way.norm();
-        let sine = || way.dot(&(self.normal(facet, k) - self.normals[facet])) / way.norm();
+        let normal = self.normals[facet];
+        let rise = normal.dot(&way);
+        let along = way - normal * rise;
+        let angle = || {
+            let of_surface = self.normal(facet, k);
+            (rise / along.norm()).atan() + (of_surface.dot(&along) / (of_surface.dot(&normal) * along.norm())).atan()
+        };
         if self.of_face(facet, k).is_some() {
-            return Some(sine().clamp(-1.0, 1.0).asin());
+            return Some(angle());
         }
-        self.ring(self.surface.facet(facet)[k], &around).iter().any(goes_on).then(|| sine().clamp(-1.0, 1.0).asin())
+        let goes_on = |r: &Vector| r.dot(&way) > ONWARDS * r.norm() * way.norm();
+        self.ring(self.surface.facet(facet)[k], &self.around(facet, k)).iter().any(goes_on).then(angle)
     }
 
     /// Height profile over a facet between other points that represent its nodes.
@@ -284,8 +380,11 @@ impl<'a> Facets<'a> {
             let [is, was] = [seen, self.q].map(|q| (faces::at(to, q) - faces::at(from, q)).norm_squared());
             sagittas[k] * is / was
         };
-        let corners: Vec<f64> = (0..nodes.len()).map(height).collect();
-        Profile::new(&corners, &(0..nodes.len()).map(stretched).collect::<Vec<_>>())
+        let Ok(points) = <[Vector; 4]>::try_from(nodes.iter().map(|&node| faces::at(node, seen)).collect::<Vec<_>>()) else {
+            return Profile::of_three([0, 1, 2].map(height), [0, 1, 2].map(stretched));
+        };
+        let [corners, sagittas] = [[0, 1, 2, 3].map(height), [0, 1, 2, 3].map(stretched)];
+        Profile::of_four(&corners, &sagittas, &Interior::of_facet(&points, normal, &corners, &sagittas))
     }
 
     /// Sagittas along the sides of a facet; zero if the mean height is negligible.
@@ -300,10 +399,11 @@ impl<'a> Facets<'a> {
                 [Some(a), None] | [None, Some(a)] => a,
                 _ => 0.0,
             };
-            *sagitta = 0.25 * edge.norm() * angle * (1.0 + angle * angle * (2.0 / 15.0 + 2.0 / 105.0 * angle * angle));
+            let length = edge.norm_squared() / (edge - self.normals[facet] * self.normals[facet].dot(&edge)).norm();
+            *sagitta = 0.25 * length * angle * (1.0 + angle * angle * (2.0 / 15.0 + 2.0 / 105.0 * angle * angle));
         }
-        let height = sagittas.iter().sum::<f64>() / 3.0;
-        if height.abs() > STRAIGHT * self.surface.facet_size(facet, self.q) { sagittas } else { [0.0; 4] }
+        let least = STRAIGHT * self.surface.facet_size(facet, self.q);
+        if sagittas.iter().any(|sagitta| sagitta.abs() > least) { sagittas } else { [0.0; 4] }
     }
 }
 

@@ -24,7 +24,8 @@
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::profiles::{Profile, profiles};
+use super::exact_profile::exact_profile;
+use super::profiles::{Profile, across_triangles, profiles};
 use crate::contact::combinations::Combinations;
 use crate::contact::faces::{self, Vector};
 use crate::contact::facet_shape::FacetShape;
@@ -116,6 +117,13 @@ impl<'a> ProxySurfacesInSpace<'a> {
             }
         }
         self
+    }
+
+    /// Height profiles of the primary facets, along the normals of their triangles.
+    pub(super) fn primary_profiles(&self) -> Vec<Profile> {
+        let mut profiles = self.profiles[1].clone();
+        across_triangles(&self.primary, &self.reference, &mut profiles);
+        profiles
     }
 
     /// True for each secondary node or point that belongs to one of these model nodes (ascending).
@@ -255,25 +263,6 @@ fn corner_normals(face: &[u32], q: &[f64]) -> Vec<Option<[Vector; 4]>> {
         Some(corners)
     };
     pieces.iter().map(of_piece).collect()
-}
-
-/// Height profile of a shape over a facet between the points `q`; `None` where the facet does not represent the shape.
-fn exact_profile(height_of: impl Fn(Vector, Vector) -> Option<f64>, nodes: &[u32], q: &[f64]) -> Option<Profile> {
-    let (normal, count) = (faces::normal(nodes, q), nodes.len());
-    let height = |x: Vector| height_of(x, normal);
-    let corners: Vec<f64> = nodes.iter().map(|&node| height(faces::at(node, q))).collect::<Option<_>>()?;
-    // Three halves of the mean height over the chord of the curve along a side, by Boole's rule.
-    let sagitta = |k: usize| {
-        let [from, to] = [nodes[k], nodes[(k + 1) % count]].map(|node| faces::at(node, q));
-        let [a, b] = [corners[k], corners[(k + 1) % count]];
-        let inner = [(0.25, 32.0), (0.5, 12.0), (0.75, 32.0)].map(|(s, weight)| height(from.lerp(&to, s)).map(|z| weight * z));
-        let mean = (7.0 * (a + b) + inner.into_iter().sum::<Option<f64>>()?) / 90.0;
-        Some(1.5 * (mean - 0.5 * (a + b)))
-    };
-    let sagittas: Vec<f64> = (0..count).map(sagitta).collect::<Option<_>>()?;
-    let least = tolerances::STRAIGHT * (faces::at(nodes[1], q) - faces::at(nodes[0], q)).norm();
-    let is_flat = corners.iter().chain(&sagittas).all(|height| height.abs() < least);
-    Some(if is_flat { Profile::default() } else { Profile::new(&corners, &sagittas) })
 }
 
 /// Number of corners of a face.

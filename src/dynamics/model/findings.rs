@@ -7,7 +7,7 @@ use super::definitions::Model;
 use super::depths::Depths;
 use super::interactions::{BodyBoundary, Interaction, Partner};
 use crate::contact::{
-    FacetShape, Finding, NamedSurface, PatchFunctions, PressFit, Surface, Tie, check_surfaces, facing_away, polygon_fit, press_fit,
+    FacetShape, Finding, NamedSurface, PatchFunctions, Surface, Tie, check_surfaces, facing_away, polygon_fit, press_fit,
 };
 
 impl Model {
@@ -94,9 +94,16 @@ impl Model {
             let faces = boundary_faces(self, on, first[on.body]);
             Surface::in_space(faces.iter().map(|face| &face[..]))
         };
-        let coarse = |secondary: &BodyBoundary, on: &BodyBoundary| {
-            let of = press_fit(&surface(secondary), &surface(on), reference).filter(PressFit::is_coarse)?;
-            Some(Finding::CoarseFit { secondary: self.boundary_name(secondary), primary: self.boundary_name(on), of })
+        let coarse = |interaction: &Interaction, on: &BodyBoundary| {
+            let is_exact = interaction.shapes.iter().any(Option::is_some);
+            let side = &interaction.secondary;
+            let of = press_fit(&surface(side), &surface(on), reference, interaction.facet_shape(3))?;
+            let (secondary, primary) = (self.boundary_name(side), self.boundary_name(on));
+            match of {
+                of if of.is_coarse() && !is_exact => Some(Finding::CoarseFit { secondary, primary, of }),
+                of if of.is_uneven() => Some(Finding::UnevenFit { secondary, primary, of }),
+                _ => None,
+            }
         };
         let away = |secondary: &BodyBoundary, primary: &[BodyBoundary]| {
             let together: Vec<String> = primary.iter().map(|on| self.boundary_name(on)).collect();
@@ -114,8 +121,7 @@ impl Model {
                     untied(name, &tied, reach)
                 }
                 Partner::Surfaces(primary) => {
-                    let may_be_coarse = interaction.shapes.iter().all(Option::is_none) && is_flat(secondary);
-                    let is_coarse = |on: &BodyBoundary| if may_be_coarse && is_flat(on) { coarse(secondary, on) } else { None };
+                    let is_coarse = |on: &BodyBoundary| if is_flat(secondary) && is_flat(on) { coarse(interaction, on) } else { None };
                     away(secondary, primary).into_iter().chain(primary.iter().filter_map(is_coarse)).collect()
                 }
                 Partner::Obstacle { .. } => self.away_from_obstacle(interaction).into_iter().collect(),

@@ -1,0 +1,50 @@
+//! Height profiles of exact shapes over facets in space (for `second_order.rs`).
+
+use super::closing::POINTS;
+use super::interior::Interior;
+use super::profiles::Profile;
+use crate::contact::faces::{self, Vector};
+use crate::math::tolerances;
+
+/// Height profile of a shape over a facet between the points `q`; `None` where the facet does not represent the shape.
+pub(super) fn exact_profile(height_of: impl Fn(Vector, Vector) -> Option<f64>, nodes: &[u32], q: &[f64]) -> Option<Profile> {
+    let (normal, count) = (faces::normal(nodes, q), nodes.len());
+    let height = |x: Vector| height_of(x, normal);
+    let points: Vec<Vector> = nodes.iter().map(|&node| faces::at(node, q)).collect();
+    let corners: Vec<f64> = points.iter().map(|&x| height(x)).collect::<Option<_>>()?;
+    // Three halves of the mean height over the chord of the curve along a line, by Boole's rule.
+    let sagitta = |from: Vector, to: Vector, [a, b]: [f64; 2]| {
+        let inner = [(0.25, 32.0), (0.5, 12.0), (0.75, 32.0)].map(|(s, weight)| height(from.lerp(&to, s)).map(|z| weight * z));
+        let mean = (7.0 * (a + b) + inner.into_iter().sum::<Option<f64>>()?) / 90.0;
+        Some(1.5 * (mean - 0.5 * (a + b)))
+    };
+    let side = |k: usize| sagitta(points[k], points[(k + 1) % count], [corners[k], corners[(k + 1) % count]]);
+    let sagittas: Vec<f64> = (0..count).map(side).collect::<Option<_>>()?;
+    let least = tolerances::STRAIGHT * (points[1] - points[0]).norm();
+    if corners.iter().chain(&sagittas).all(|height| height.abs() < least) {
+        return Some(Profile::default());
+    }
+    let (Ok(corners), Ok(sagittas)) = (<[f64; 4]>::try_from(corners.clone()), <[f64; 4]>::try_from(sagittas.clone())) else {
+        return Some(Profile::of_three([corners[0], corners[1], corners[2]], [sagittas[0], sagittas[1], sagittas[2]]));
+    };
+    let center = faces::middle(nodes, q);
+    let middle = height(center)?;
+    let mut spokes = [0.0; 4];
+    for (k, spoke) in spokes.iter_mut().enumerate() {
+        *spoke = sagitta(points[k], center, [corners[k], middle])?;
+    }
+    // Spokes take the difference to the mean height of each triangle, by a rule of degree four.
+    let mut missing = [0.0; 4];
+    for (k, missing) in missing.iter_mut().enumerate() {
+        let next = (k + 1) % 4;
+        let mean = mean_height(&height, [points[k], points[next], center])?;
+        *missing = mean - (corners[k] + corners[next] + middle + sagittas[k] + spokes[k] + spokes[next]) / 3.0;
+    }
+    (0..4).for_each(|k| spokes[k] += 0.75 * (missing[k] + missing[(k + 3) % 4]));
+    Some(Profile::of_four(&corners, &sagittas, &Interior { middle, spokes }))
+}
+
+/// Mean height over a triangle.
+fn mean_height(height: impl Fn(Vector) -> Option<f64>, [a, b, c]: [Vector; 3]) -> Option<f64> {
+    POINTS.iter().map(|(at, weight)| height(a * at[0] + b * at[1] + c * at[2]).map(|height| weight * height)).sum()
+}
