@@ -126,9 +126,7 @@ fn tell(arguments: &Arguments, catalogue: &Catalogue, bench: &Bench, study: &Stu
     for (product, verdict) in &study.wrong {
         let Verdict::Wrong(faults) = verdict else { continue };
         faults.iter().for_each(|fault| *kinds.entry(fault.kind).or_default() += 1);
-        if arguments.cover {
-            println!("{}: {verdict:?}", Named { catalogue, product });
-        }
+        println!("{}: {verdict:?}", Named { catalogue, product });
         if arguments.shrink_all {
             keep(catalogue, bench, product, verdict)?;
         }

@@ -5,6 +5,7 @@
 //! exit code reports the loss.
 
 use std::cell::{Cell, RefCell};
+use std::fmt;
 use std::io::{ErrorKind, IsTerminal, Write};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
@@ -78,7 +79,7 @@ pub struct Console {
     terminal: bool,
     begun: Cell<Instant>,
     last: Cell<(Instant, f64)>,
-    line: RefCell<String>,
+    status: RefCell<Option<Status>>,
     factorization: Arc<AtomicU32>,
 }
 
@@ -92,7 +93,7 @@ impl Console {
             terminal: std::io::stderr().is_terminal(),
             begun: Cell::new(now),
             last: Cell::new((now, 0.0)),
-            line: RefCell::default(),
+            status: RefCell::default(),
             factorization: Arc::default(),
         }
     }
@@ -158,20 +159,40 @@ impl Console {
     }
 }
 
-/// Formats the status: `t = 0.5 of 2, step 100, energy defect 1.2e-15, 4 iterations`.
-fn status(progress: &Progress) -> String {
-    let row = progress.row;
-    let until = progress.until.map(|until| format!(" of {until}")).unwrap_or_default();
-    let defect = if progress.scale > 0.0 { row.energy_defect / progress.scale } else { 0.0 };
-    let halvings = if row.halvings > 0 { format!(", halved {} times", row.halvings) } else { String::new() };
-    let iterations = row.newton_iterations;
-    format!(
-        "{}: t = {:.6}{until}, step {}, energy defect {defect:.1e}, {iterations} Newton iteration{}{halvings}",
-        progress.model,
-        row.time,
-        row.step,
-        if iterations == 1 { "" } else { "s" }
-    )
+/// Status after a step, formatted only where it is shown: a resumed run passes a million steps in a second.
+#[derive(Default)]
+struct Status {
+    model: String,
+    time: f64,
+    until: Option<f64>,
+    step: usize,
+    /// Energy defect relative to the largest energy.
+    defect: f64,
+    iterations: usize,
+    halvings: usize,
+}
+
+impl Status {
+    fn set(&mut self, progress: &Progress) {
+        let row = progress.row;
+        if self.model != progress.model {
+            self.model = progress.model.into();
+        }
+        (self.time, self.until, self.step) = (row.time, progress.until, row.step);
+        self.defect = if progress.scale > 0.0 { row.energy_defect / progress.scale } else { 0.0 };
+        (self.iterations, self.halvings) = (row.newton_iterations, row.halvings);
+    }
+}
+
+impl fmt::Display for Status {
+    /// Writes `t = 0.5 of 2, step 100, energy defect 1.2e-15, 4 iterations`.
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(out, "{}: t = {:.6}", self.model, self.time)?;
+        self.until.map_or(Ok(()), |until| write!(out, " of {until}"))?;
+        let plural = if self.iterations == 1 { "" } else { "s" };
+        write!(out, ", step {}, energy defect {:.1e}, {} Newton iteration{plural}", self.step, self.defect, self.iterations)?;
+        if self.halvings > 0 { write!(out, ", halved {} times", self.halvings) } else { Ok(()) }
+    }
 }
 
 impl Observer for Console {
@@ -199,21 +220,25 @@ impl Observer for Console {
             } else {
                 bar.tick();
             }
-            bar.set_message(status(progress));
+            let mut status = Status::default();
+            status.set(progress);
+            bar.set_message(status.to_string());
             return;
         }
-        if self.line.borrow().is_empty() {
+        let mut status = self.status.borrow_mut();
+        if status.is_none() {
             self.begun.set(Instant::now());
             self.last.set((Instant::now(), 0.0));
         }
-        *self.line.borrow_mut() = status(progress);
+        let status = status.get_or_insert_default();
+        status.set(progress);
         let (at, before) = self.last.get();
         let silence = at.elapsed();
         let moved = done.is_none_or(|done| done - before >= 0.01);
         if (silence >= BETWEEN_LINES && moved) || silence >= LONGEST_SILENCE {
             let left = done.filter(|done| *done > 0.0).map(|done| self.begun.get().elapsed().mul_f64((1.0 - done) / done));
             let left = left.map(|left| format!(", about {:.0} s left", left.as_secs_f64())).unwrap_or_default();
-            complain(&format!("{}{left}\n", self.line.borrow()));
+            complain(&format!("{status}{left}\n"));
             self.last.set((Instant::now(), done.unwrap_or(0.0)));
         }
     }
@@ -234,9 +259,8 @@ impl Observer for Console {
         if let Some(bar) = self.bar.borrow_mut().take() {
             bar.finish_and_clear();
         }
-        let line = std::mem::take(&mut *self.line.borrow_mut());
-        if !line.is_empty() && self.begun.get().elapsed() >= BETWEEN_LINES {
-            complain(&format!("{line}, {:.1} s\n", self.begun.get().elapsed().as_secs_f64()));
+        if let Some(status) = self.status.take().filter(|_| self.begun.get().elapsed() >= BETWEEN_LINES) {
+            complain(&format!("{status}, {:.1} s\n", self.begun.get().elapsed().as_secs_f64()));
         }
     }
 }

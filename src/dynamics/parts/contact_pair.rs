@@ -238,9 +238,9 @@ impl ContactPair {
         self.obstacle_velocity[component]
     }
 
-    /// True for contacts with friction, whose forces enter only their own step with every time integrator.
+    /// True for pairs whose forces enter only their own step with every time integrator: unilateral multipliers and friction.
     pub fn forces_stay_in_step(&self) -> bool {
-        self.friction.is_some()
+        self.friction.is_some() || self.is_unilateral()
     }
 
     /// True if multipliers enforce the constraints.

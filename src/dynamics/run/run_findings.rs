@@ -6,6 +6,7 @@
 
 use super::halvings::Halving;
 use super::ledger::LedgerRow;
+use super::rounding::rounded;
 use super::rows::Rows;
 use crate::dynamics::step::failure::Failure;
 use crate::dynamics::step::large_motion::{LargeMotion, MotionKind};
@@ -305,6 +306,8 @@ impl At {
 
 /// Sums and extrema of the rows on which findings are based.
 struct Gathered {
+    /// Largest energy `[energy]`.
+    scale: f64,
     defect: At,
     /// Depth in facets for each contact.
     depths: Vec<At>,
@@ -328,16 +331,18 @@ struct Drift {
 }
 
 impl Gathered {
-    fn of<R: Rows + ?Sized>(rows: &R, last: &LedgerRow, scale: f64, measures: &Measures) -> Self {
+    /// Sums and extrema of the rows; `floor`: least energy scale.
+    fn of<R: Rows + ?Sized>(rows: &R, last: &LedgerRow, floor: f64, measures: &Measures) -> Self {
         let end = At { value: 0.0, step: last.step, time: last.time };
         let mut drift: Option<Drift> = None;
-        let (mut defect, mut taken, mut given, mut leap) = (end, end, end, None);
+        let (mut scale, mut defect, mut taken, mut given, mut leap) = (floor, end, end, end, None);
         let (mut depths, mut sums) = (vec![end; measures.contacts.len()], [0.0; 3]);
         let least = if measures.is_explicit { f64::NEG_INFINITY } else { 0.0 };
         rows.visit(0, &mut |row| {
-            defect.raise(row.energy_defect.abs() / scale, row);
-            taken.raise(-row.contact_work / scale, row);
-            given.raise(row.contact_work / scale, row);
+            scale = scale.max(row.kinetic + row.strain.abs() + row.potential.abs());
+            defect.raise(row.energy_defect.abs(), row);
+            taken.raise(-row.contact_work, row);
+            given.raise(row.contact_work, row);
             for (k, (depth, (_, size))) in depths.iter_mut().zip(&measures.contacts).enumerate() {
                 depth.raise(row.contacts.get(k).map_or(0.0, |totals| totals.penetration / size), row);
             }
@@ -356,7 +361,8 @@ impl Gathered {
             }
         });
         let drift = drift.unwrap_or(Drift { sum: 0.0, given: 0.0, worst: 0.0, growth: 1.0, most: end });
-        Gathered { defect, depths, taken, given, sums, drift, leap: leap.unwrap_or_default() }
+        [&mut defect, &mut taken, &mut given].into_iter().for_each(|at| at.value /= scale);
+        Gathered { scale, defect, depths, taken, given, sums, drift, leap: leap.unwrap_or_default() }
     }
 }
 
@@ -384,11 +390,10 @@ impl Drift {
 pub fn run_findings<R: Rows + ?Sized>(rows: &R, measures: &Measures) -> Vec<RunFinding> {
     let Some(last) = rows.last_row() else { return Vec::new() };
     // Lower bound of the scale: the energy of a model at rest is round-off.
-    let mut scale = (FORCE_FLOOR * measures.stiffness).max(f64::MIN_POSITIVE);
-    rows.visit(0, &mut |row| scale = scale.max(row.kinetic + row.strain.abs() + row.potential.abs()));
+    let seen = Gathered::of(rows, &last, (FORCE_FLOOR * measures.stiffness).max(f64::MIN_POSITIVE), measures);
+    let scale = seen.scale;
     // Relative work of force round-off, `FORCE_FLOOR * stiffness`, on strains of the size `sqrt(scale / stiffness)`.
     let round_off = FORCE_FLOOR * (measures.stiffness / scale).sqrt() + measures.round_off / scale;
-    let seen = Gathered::of(rows, &last, scale, measures);
     let only = match measures.contacts[..] {
         [(name, _)] => Some(name.to_string()),
         _ => None,
@@ -491,11 +496,6 @@ fn given(seen: &Gathered, scale: f64, is_explicit: bool, end: impl Fn(f64) -> At
         return (CONSERVED, end(net), format!("its work in all steps together was {net:.1e} of the energy"));
     }
     (GIVEN, seen.given, format!("its work in a step was {:.1e} of the energy", seen.given.value))
-}
-
-/// Step size without the round-off of subtracted times.
-fn rounded(dt: f64) -> f64 {
-    format!("{dt:.6e}").parse().unwrap_or(dt)
 }
 
 #[cfg(test)]

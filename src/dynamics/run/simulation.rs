@@ -447,22 +447,6 @@ impl Simulation {
         Some(RunFinding { kind, contact, value: *facets, limit: DEPTH, step: *step, time: *time, explanation })
     }
 
-    /// True if a run with the rows `rows` conserved energy as its integrator requires, apart from the work of loads and losses of contact.
-    pub fn is_conserving<R: Rows + ?Sized>(&self, rows: &R) -> bool {
-        let is_broken =
-            |kind| matches!(kind, RunFindingKind::NotConserved | RunFindingKind::EnergyDefect | RunFindingKind::PositiveContactWork);
-        !run_findings(rows, &self.steps.measures()).iter().any(|finding| is_broken(finding.kind))
-    }
-
-    /// True if a run with the rows `rows` is not reliable: contact supplied energy, energy appeared or vanished with a conserving
-    /// integrator, or bodies have penetrated each other or obstacles.
-    pub fn is_doubtful<R: Rows + ?Sized>(&self, rows: &R) -> bool {
-        let is_doubt =
-            |kind| matches!(kind, RunFindingKind::PositiveContactWork | RunFindingKind::EnergyDefect | RunFindingKind::PassedThrough);
-        self.passed.is_some()
-            || run_findings(rows, &self.steps.measures()).into_iter().chain(self.passed_through()).any(|finding| is_doubt(finding.kind))
-    }
-
     /// Findings from the initial velocities: contacts whose sides slide so fast that steps would be halved.
     pub fn findings_at_start(&self) -> Vec<RunFinding> {
         self.steps.findings_at_start()

@@ -128,6 +128,11 @@ impl Catalogue {
             !name.starts_with("add_") && !OTHER_METHODS.contains(&name) && !script::SUPPORTS.contains(&name)
         });
         let loads = with(&["none"], loads).into_iter().chain(["grow".to_string()]).collect();
+        let options = |function: &str, accepts: &dyn Fn(&str) -> bool| -> Vec<String> {
+            keys(&registry, function).iter().map(|key| key.name.to_string()).filter(|name| accepts(name)).collect()
+        };
+        let rubbing = options("add_joint", &|name| name.starts_with("friction"));
+        let shapes = options("add_contact", &|name| name.ends_with("_shape"));
         let integrators = functions_that_give(&registry, "Integrator");
         let amplitudes = functions_that_give(&registry, "TimeFunction");
         let laws = functions_that_give(&registry, "FrictionLaw");
@@ -146,17 +151,21 @@ impl Catalogue {
             factor("partner", with(&["none", "held_body", "free_body", "rigid_body", "tie", "self"], obstacles)),
             factor("moving", words(&["rest", "moving"])),
             factor("method", with(&["default"], functions_that_give(&registry, "ContactMethod"))),
+            factor("exact", with(&["none"], shapes)),
             factor("enforcement", with(&["multipliers"], enforcement)),
             factor("update", with(&["default"], choices(&registry, "add_contact", "update"))),
             factor("friction", with(&["none", "number"], laws)),
             factor("part", with(&["none"], adders)),
             factor("joint", with(&[], joints).into_iter().chain(["gear".to_string()]).collect()),
+            factor("rubbing", with(&["none"], rubbing)),
             factor("drive", words(&["free", "drive", "limits"])),
             factor("load", loads),
             factor("amplitude", with(&["number", "closure"], amplitudes)),
             factor("support", words(&["none", "fix", "fix_x", "prescribe", "prescribe_angle", "add_symmetry", "add_periodic"])),
             factor("integrator", integrators),
             factor("steps", words(&["fixed", "auto"])),
+            factor("solver", plain_first(choices(&registry, "simulate", "solver"), "auto")),
+            factor("declared", words(&["none", "SI", "mm-N-t", "US"])),
             factor("task", words(&TASKS)),
             factor("trial", words(&TRIALS)),
         ];
@@ -217,6 +226,8 @@ impl Catalogue {
         found.extend(unknown("friction", &|row| ["none", "number"].contains(&row) || script::friction_law(row).is_some()));
         found.extend(unknown("part", &|row| row == "none" || script::PARTS.contains(&row)));
         found.extend(unknown("load", &|row| row == "none" || script::LOADS.contains(&row)));
+        found.extend(unknown("rubbing", &|row| row == "none" || script::RUBBING.contains(&row)));
+        found.extend(unknown("exact", &|row| ["none", "secondary_shape", "primary_shape"].contains(&row)));
         found.extend(unknown("amplitude", &|row| script::AMPLITUDES.contains(&row)));
         for (factor, name) in self.makers.iter().filter(|(_, name)| name != FLOWS) {
             let rows = &self.factors[self.index(factor)].rows;
@@ -257,9 +268,10 @@ impl Catalogue {
             }
             "moving" => is_obstacle,
             "method" => touches && !is_obstacle,
+            "exact" => touches,
             "enforcement" | "update" | "friction" => touches,
             "part" => product.row("part") != "add_chamber" || (is_plane && product.row("shape") == "round"),
-            "drive" => product.row("joint") != "none",
+            "drive" | "rubbing" => product.row("joint") != "none",
             "amplitude" => {
                 product.is("load", &["gravity", "rotating_frame", "traction", "force", "pressure", "torque"])
                     || product.is("support", &["prescribe", "prescribe_angle"])

@@ -25,7 +25,7 @@ const ROUND_OFF: f64 = 1e-12;
 const AT_REST: f64 = 1e-5;
 /// Loads and weights of the models `[force]`: on a body at rest their impulses and those of its supports cancel up to round-off of the
 /// impulses, not of the body's momentum.
-const LOAD: f64 = 1.0;
+const LOAD: f64 = 3.0;
 /// Largest penetration over the facet size.
 const DEPTH: f64 = 0.15;
 /// Largest relative difference of the histories of a model in another numbering.

@@ -2,6 +2,7 @@
 
 mod constants;
 mod pieces;
+mod touching;
 
 use conserva::elements::CellKind;
 use conserva::materials;
@@ -30,6 +31,9 @@ pub const PARTS: [&str; 12] = [
     "add_actuator",
     "add_motor",
 ];
+
+/// Dry friction of joints for which a script is known.
+pub const RUBBING: [&str; 3] = ["friction", "friction_moment", "friction_force"];
 
 /// Loads for which a script is known.
 pub const LOADS: [&str; 9] =
@@ -74,6 +78,7 @@ struct Writer<'a> {
 pub fn text(product: Named, variant: Variant) -> String {
     let mut writer = Writer::new(product, variant);
     writer.line(&format!("// {product}"));
+    writer.declared();
     writer.model();
     writer.simulation();
     writer.told();
@@ -84,6 +89,7 @@ pub fn text(product: Named, variant: Variant) -> String {
 pub fn moved(product: Named, how: &str) -> String {
     let mut writer = Writer::new(product, Variant::Plain);
     writer.line(&format!("// {product}"));
+    writer.declared();
     writer.line("expect_invariant(|| {");
     writer.model();
     writer.simulation();
@@ -285,89 +291,10 @@ impl<'a> Writer<'a> {
         }
     }
 
-    fn partner(&mut self) {
-        let is_body = self.is("partner", &["held_body", "free_body", "rigid_body", "tie"]);
-        if !is_body {
-            return;
-        }
-        let cell = self.product.row("cell");
-        let cells = match (self.is_plane, is_quadratic(cell)) {
-            (true, true) => "[3, 1]",
-            (true, false) => "[5, 2]",
-            (false, true) => "[2, 1, 1]",
-            (false, false) => "[3, 1, 2]",
-        };
-        let mesh = match wedge_section(cell) {
-            Some(section) => format!(
-                "rectangle(#{{ size: [1.8, 0.5], cells: [3, 1], origin: [0.1, -0.5], element: \"{section}\" }})\
-                 .extrude(#{{ height: 1.0, layers: 1, wedges: true }})"
-            ),
-            None if self.is_plane => {
-                format!("rectangle(#{{ size: [1.8, 0.5], cells: {cells}, origin: [0.1, -0.5], element: \"{cell}\" }})")
-            }
-            None => format!("block(#{{ size: [1.8, 0.5, 1.0], cells: {cells}, origin: [0.1, -0.5, 0.0], element: \"{cell}\" }})"),
-        };
-        let mut options: Vec<String> = Vec::new();
-        if self.is_plane && !self.is("plane", &["strain"]) {
-            options.push(format!("plane: \"{}\"", self.product.row("plane")));
-        }
-        if self.is("partner", &["rigid_body"]) {
-            options.push("rigid: true".into());
-        }
-        let options = if options.is_empty() { String::new() } else { format!(", #{{ {} }}", options.join(", ")) };
-        self.line(&format!(
-            "let b = m.add_body(\"b\", {mesh}, neo_hookean(#{{ youngs_modulus: 200.0, poisson_ratio: 0.3, density: 1.0 }}){options});"
-        ));
-        if self.is("partner", &["held_body", "tie"]) || rests(self.product) {
-            self.line("m.fix(b.boundary(\"bottom\"));");
-        }
-    }
-
-    fn contact(&mut self) {
-        let mut options: Vec<String> = Vec::new();
-        if !self.is("method", &["default"]) {
-            options.push(format!("method: {}()", self.product.row("method")));
-        }
-        if !self.is("update", &["default"]) {
-            options.push(format!("update: \"{}\"", self.product.row("update")));
-        }
-        match self.product.row("enforcement") {
-            "multipliers" => {}
-            "penalty" => options.push("penalty: 20.0".into()),
-            "augmented_lagrange" => options.push("augmented_lagrange: 100.0".into()),
-            "equality" => options.push("equality: true".into()),
-            other => options.push(format!("{other}: 0.5")),
-        }
-        let coefficient = format!("{:?}", self.numbers.friction);
-        match self.product.row("friction") {
-            "none" => {}
-            "number" => options.push(format!("friction: {coefficient}")),
-            law => options.push(format!("friction: {}", friction_law(law).unwrap_or(UNKNOWN).replace("MU", &coefficient))),
-        }
-        let options: String = options.iter().map(|option| format!(", {option}")).collect();
-        match self.product.row("partner") {
-            "none" => {}
-            "tie" => self.line("m.tie(\"pair\", #{ secondary: foot, primary: b.boundary(\"top\") });"),
-            "self" => {
-                let arguments = if self.is_plane { "|x, y|" } else { "|x, y, z|" };
-                self.line(&format!("m.add_self_contact(\"pair\", #{{ surface: a.boundary_where(\"hull\", {arguments} true){options} }});"));
-            }
-            "held_body" | "free_body" | "rigid_body" => {
-                self.line(&format!("m.add_contact(\"pair\", #{{ secondary: foot, primary: b.boundary(\"top\"){options} }});"));
-            }
-            name => {
-                let high = if self.is_round() { 1.5 } else { (1.5f64.powi(2) - 0.25).sqrt() };
-                let shape = obstacle(name).unwrap_or(UNKNOWN).replace('@', if self.is_plane { "" } else { ", 0.0" });
-                let shape = shape.replace("HIGH", &format!("{high:?}"));
-                let motion = if self.is("moving", &["moving"]) {
-                    let turns = ["rigid_disk", "rigid_ring", "rigid_cylinder", "rigid_cone", "rigid_torus"].contains(&name);
-                    let turn = if turns { format!(", angle: {}", self.motion(0.05)) } else { String::new() };
-                    format!(", motion: #{{ y: {}{turn} }}", self.motion(0.01))
-                } else {
-                    String::new()
-                };
-                self.line(&format!("m.add_contact(\"pair\", #{{ secondary: foot, primary: {name}(#{{ {shape}{motion} }}){options} }});"));
-            }
+    /// Units in which the numbers are; those of solids are others, which is warned of.
+    fn declared(&mut self) {
+        if !self.is("declared", &["none"]) {
+            self.line(&format!("units(\"{}\");", self.product.row("declared")));
         }
     }
 
@@ -403,7 +330,11 @@ impl<'a> Writer<'a> {
             self.line(&format!("let dt = {dt:?};"));
         }
         let size = if self.is("steps", &["auto"]) { "auto(#{ first: dt })" } else { "dt" };
-        self.line(&format!("let sim = simulate(m, #{{ integrator: {integrator}(), dt: {size}, stills: 2 }});"));
+        let solver = match self.product.row("solver") {
+            "auto" => String::new(),
+            name => format!(", solver: \"{name}\""),
+        };
+        self.line(&format!("let sim = simulate(m, #{{ integrator: {integrator}(), dt: {size}, stills: 2{solver} }});"));
         let (end, half) = (self.duration(), 0.5 * self.duration());
         let run = format!("sim.run_to({end:?});");
         let force = self.vector(0.0, 1.0);

@@ -3,6 +3,7 @@
 use crate::dynamics::{Coordinate, JointDefinition, JointFriction};
 use crate::math::catalogue::Interval;
 use crate::script::language::arguments::{Arguments, Options};
+use crate::script::language::causes;
 use crate::script::language::digits::number_text;
 use crate::script::language::failure::Failure;
 use crate::script::language::parameter::{Absent, Parameter};
@@ -58,7 +59,7 @@ pub fn friction_of(options: &Options, joint: &JointDefinition, dimension: usize)
     }
     let refused = |key: &str, why: String, hint: &str| {
         let argument = options.argument(key);
-        Err(argument.fail(format!("{} {why}", argument.title())).hint(hint))
+        Err(argument.fail(format!("{} {why}", argument.title())).code(causes::OPTIONS_TOGETHER).hint(hint))
     };
     let rotates = joint.kind.rotates(dimension);
     let kind = joint.kind.name();

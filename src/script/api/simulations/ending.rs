@@ -6,7 +6,7 @@ use super::following;
 use super::handle::{SimulationHandle, Simulations};
 use super::recalling::go_on;
 use super::reports::{Ending, json, write_at_end};
-use crate::dynamics::{EnergyAccount, PhaseTimes};
+use crate::dynamics::PhaseTimes;
 use crate::output::{
     COMPLETED, Inertia, NOT_CONSERVING, RunFiles, SUMMARY, Summary, WallSeconds, drifts, energies, peak_memory_bytes, svg,
 };
@@ -78,7 +78,8 @@ fn finish_simulation(
         let picture = svg(&plot.draw());
         artifacts.write("history.svg", picture.as_bytes()).map_err(|error| output_failure(&error))
     };
-    let is_conserving = simulation.is_conserving(&*history);
+    let found = data.found(&simulation, &history);
+    let is_conserving = !found.findings.iter().any(|finding| finding.kind.breaks_conservation());
     let is_well = outcome == COMPLETED && is_conserving;
     let ended = if outcome == COMPLETED && !is_conserving { NOT_CONSERVING } else { outcome };
     let refused = drawn.and(write_at_end(host, handle, Ending { outcome: ended.into(), is_well })).err();
@@ -95,9 +96,9 @@ fn finish_simulation(
         units: data.units.as_ref().map(|units| units.set.overview().into_iter().collect()),
         ..common(host, ended)
     };
-    summary.book(&EnergyAccount::of(&*history));
+    summary.book(&found.account);
     summary.count(&simulation.statistics());
-    summary.tell(&simulation.findings(&*history), simulation.halvings());
+    summary.tell(&found.findings, simulation.halvings());
     summary.judge(&drifts(&*history, simulation.loads_ended(), Some(Inertia::of(&data.model.model))));
     let mut artifacts = data.artifacts.borrow_mut();
     let Some(artifacts) = artifacts.as_mut() else { return Ok(()) };

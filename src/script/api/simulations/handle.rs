@@ -14,7 +14,7 @@ use super::integrators::title;
 use super::journal::Journal;
 use super::known_columns::KnownColumns;
 use super::step_control::step_size;
-use crate::dynamics::{EnergyAccount, LedgerRow, Overlap, Simulation, State};
+use crate::dynamics::{EnergyAccount, LedgerRow, Overlap, RunFinding, Simulation, State};
 use crate::output::{History, ListedUnits, ModelUnits, pretty_unit};
 use crate::script::api::models::data::ModelData;
 use crate::script::api::models::handle::BodyHandle;
@@ -83,6 +83,31 @@ pub struct SimulationData {
     pub is_known: Cell<bool>,
     /// Units of the results; `None` where the script declares none.
     pub units: Option<ModelUnits>,
+    /// Evaluation of the rows at the last look.
+    pub found: RefCell<Option<Rc<Found>>>,
+}
+
+/// Evaluation of the rows of a run.
+pub struct Found {
+    /// Findings on the run.
+    pub findings: Vec<RunFinding>,
+    /// Energy changes by cause.
+    pub account: EnergyAccount,
+    /// Number of rows, last row and number of factorizations, on which findings depend.
+    of: (usize, LedgerRow, usize),
+}
+
+impl SimulationData {
+    /// Evaluation of the rows so far. They are read back from the disk only if the run has changed since the last call.
+    pub fn found(&self, simulation: &Simulation, history: &History) -> Rc<Found> {
+        let of = (history.len(), simulation.row().clone(), simulation.statistics().factorizations);
+        let mut found = self.found.borrow_mut();
+        if let Some(known) = found.as_ref().filter(|known| known.of == of) {
+            return known.clone();
+        }
+        let findings = simulation.findings(history);
+        found.insert(Rc::new(Found { findings, account: EnergyAccount::of(history), of })).clone()
+    }
 }
 
 /// State before a step, with the number of history rows.
@@ -209,10 +234,10 @@ impl SimulationData {
     /// Describes the energy changes so far, and the findings of the run, one line each.
     pub fn remarks(&self, simulation: &Simulation) -> Vec<String> {
         let history = self.history.borrow();
-        let account = EnergyAccount::of(&*history).to_string();
+        let found = self.found(simulation, &history);
+        let account = found.account.to_string();
         let energy = (!account.is_empty()).then(|| format!("  energy since the start{}: {account}", self.bracketed("energy")));
-        let found = simulation.findings(&*history);
-        energy.into_iter().chain(found.iter().map(|finding| format!("  found: {finding}: {}", explained(finding)))).collect()
+        energy.into_iter().chain(found.findings.iter().map(|finding| format!("  found: {finding}: {}", explained(finding)))).collect()
     }
 
     /// A row of the solver with the times of the script.

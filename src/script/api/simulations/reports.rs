@@ -13,8 +13,8 @@ use super::step_control::step_size;
 use super::writing::write_course;
 use crate::bodies::{Dilatation, Formulation, Plane};
 use crate::dynamics::{
-    BodyDefinition, EnergyAccount, Enforcement, Gear, Interaction, JointDefinition, JointKind, LedgerRow, Model, Partner, PlacedObstacle,
-    Quantity, Rows, RunFinding, Simulation, default_rule,
+    BodyDefinition, Enforcement, Gear, Interaction, JointDefinition, JointKind, LedgerRow, Model, Partner, PlacedObstacle, Quantity, Rows,
+    RunFinding, Simulation, default_rule,
 };
 use crate::output::{
     Field, History, Report, ReportPage, ReportTable, Still, kept_rows, marks, pretty_unit, report, report_of_several, shapes,
@@ -158,8 +158,8 @@ pub fn findings(host: &Host, data: &SimulationData, simulation: &Simulation, his
         let title = format!(": {finding}\n");
         warnings.iter().any(|text| text.contains(&title) && (!text.contains("(simulation \"") || text.contains(&named)))
     };
-    let found = simulation.findings(history).into_iter().filter(|finding| !is_told(finding));
-    found.map(|finding| format!("{finding}: {}", explained(&finding))).collect()
+    let found = data.found(simulation, history);
+    found.findings.iter().filter(|finding| !is_told(finding)).map(|finding| format!("{finding}: {}", explained(finding))).collect()
 }
 
 /// Values of `param(...)` by name.
@@ -315,7 +315,7 @@ fn summary(host: &Host, data: &SimulationData, simulation: &Simulation, stills: 
         told(row.potential, "energy"),
         told(row.total(), "energy")
     );
-    let account = EnergyAccount::of(&*history).to_string();
+    let account = data.found(simulation, &history).account.to_string();
     let account = if account.is_empty() { "kept to round-off".to_string() } else { account };
     let peak = |wanted: &str| {
         let index = Field::BASIC.iter().position(|name| *name == wanted)?;

@@ -368,6 +368,7 @@ pub fn create(
         journal,
         is_known: Cell::new(true),
         units,
+        found: RefCell::default(),
     };
     let handle = SimulationHandle(Rc::new(data));
     following::begin(call.host, &handle);

@@ -1,7 +1,9 @@
 //! Warnings about a run, and about unused definitions.
 
-use super::handle::{SimulationHandle, Simulations};
-use crate::dynamics::{EnergyAccount, RunFinding, RunFindingKind};
+use std::rc::Rc;
+
+use super::handle::{Found, SimulationHandle, Simulations};
+use crate::dynamics::{RunFinding, RunFindingKind};
 use crate::math::tolerances::LOST;
 use crate::script::api::remedies::{ScriptWords, explained};
 use crate::script::language::diagnostics::Diagnostic;
@@ -52,25 +54,29 @@ impl SimulationHandle {
 
     /// Warns of findings of the run so far; of missing conservation only above `LOST`.
     pub fn warn_of_findings(&self, host: &Host) {
-        let found = self.0.simulation.try_borrow().map(|simulation| simulation.findings(&*self.0.history.borrow()));
         let shows = |finding: &&RunFinding| finding.kind != RunFindingKind::NotConserved || finding.value > LOST;
-        found.iter().flatten().filter(shows).for_each(|finding| self.warn_of(host, finding));
+        self.evaluation().iter().flat_map(|found| found.findings.iter()).filter(shows).for_each(|finding| self.warn_of(host, finding));
     }
 
     /// Describes the energy changes of the run so far in one line; `None` if below round-off.
     pub fn energy_line(&self, host: &Host) -> Option<String> {
-        let account = EnergyAccount::of(&*self.0.history.borrow()).to_string();
+        let account = self.evaluation()?.account.to_string();
         (!account.is_empty()).then(|| format!("energy{}: {}{account}", self.0.bracketed("energy"), self.prefix(host)))
     }
 
     /// True if the results so far should not be trusted.
     pub fn is_doubtful(&self) -> bool {
-        self.0.simulation.try_borrow().is_ok_and(|simulation| simulation.is_doubtful(&*self.0.history.borrow()))
+        self.evaluation().is_some_and(|found| found.findings.iter().any(|finding| finding.kind.is_doubt()))
     }
 
     /// True if the run so far has conserved its energy.
     pub fn is_conserving(&self) -> bool {
-        self.0.simulation.try_borrow().is_ok_and(|simulation| simulation.is_conserving(&*self.0.history.borrow()))
+        self.evaluation().is_some_and(|found| !found.findings.iter().any(|finding| finding.kind.breaks_conservation()))
+    }
+
+    /// Evaluation of the rows so far; `None` while steps are taken.
+    fn evaluation(&self) -> Option<Rc<Found>> {
+        self.0.simulation.try_borrow().ok().map(|simulation| self.0.found(&simulation, &self.0.history.borrow()))
     }
 
     /// Prefix `simulation "drop", ` for scripts with several simulations; otherwise empty.

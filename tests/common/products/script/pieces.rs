@@ -86,6 +86,14 @@ impl Writer<'_> {
             "link" | "cable" => write!(options, ", to_point: {above}").expect("a string"),
             _ => {}
         }
+        match self.product.row("rubbing") {
+            "none" => {}
+            "friction" if kind == turns => options += ", friction: 0.2, radius: 0.05",
+            "friction" => options += ", friction: 0.2",
+            "friction_moment" => options += ", friction_moment: 0.01",
+            "friction_force" => options += ", friction_force: 0.05",
+            _ => options += UNKNOWN,
+        }
         match self.product.row("drive") {
             "drive" => write!(options, ", drive: {}", self.motion(0.02)).expect("a string"),
             "limits" if kind == "link" => options += ", limits: [0.98, 1.01]",
