@@ -295,9 +295,9 @@ impl Scheme {
         self.lag.is_long() || self.stages().iter().any(|(_, stage)| stage.lag.is_long())
     }
 
-    /// True if an impact may change the velocities at the end of a step: the scheme is implicit, and no stage goes backward in time.
+    /// True if an impact may change the velocities at the end of a step: the scheme has no history and no stages.
     pub fn solves_impacts(&self) -> bool {
-        !self.is_static() && self.lumping().is_none() && !self.goes_back()
+        self.remembers.is_empty() && matches!(self.step, StepKind::Whole)
     }
 
     /// Force history of a constant force, relative to the force.

@@ -238,9 +238,9 @@ impl ContactPair {
         self.obstacle_velocity[component]
     }
 
-    /// True for pairs whose forces enter only their own step with every time integrator: unilateral multipliers and friction.
+    /// True for contacts with friction, whose forces enter only their own step with every time integrator.
     pub fn forces_stay_in_step(&self) -> bool {
-        self.friction.is_some() || self.is_unilateral()
+        self.friction.is_some()
     }
 
     /// True if multipliers enforce the constraints.

@@ -94,11 +94,11 @@ where
         let Solution { mut at, active, preferred } = solution;
         self.system.lead_end(&mut at);
         let search = self.system.search();
-        let (system, dt, penalty_gap) = (&self.system, motion.dt, penalty_gaps(&at, conditions));
+        let (system, dt) = (&self.system, motion.dt);
+        let penalty_gap = penalty_gaps(&at, conditions);
         let mut v_1 = motion.velocities(&at.moved, &system.supports.prescribed);
         let mut outside = self.outside(start, motion, &at, &lambda, &v_1)?;
-        let is_new = self.begins_anew(&active, jump.as_ref());
-        let remembered = if is_new { Arc::default() } else { self.remembered(start, motion, &at, &v_1, &outside.own) };
+        let remembered = self.remembered(start, motion, &at, &v_1, &outside.own);
         outside.add_jump(jump.as_ref(), &mut v_1);
         system.lead(&mut v_1);
         let (momenta, old) = (system.nodes.momenta_of(&v_1), &self.state.row);
@@ -161,14 +161,6 @@ where
         };
         self.system.recycle(at);
         Ok(state)
-    }
-
-    /// True if a unilateral constraint with a multiplier has closed in a step that ends with the states `active`, or velocities have jumped:
-    /// the motion before is not continued, and history variables are those of a start at the end of the step.
-    fn begins_anew(&self, active: &[RowState], jump: Option<&VelocityCorrection>) -> bool {
-        let closed = |row: usize| active[row].is_closed() && !self.state.active[row].is_closed();
-        let mut pairs = self.system.pairs.iter().filter(|pair| pair.is_unilateral());
-        jump.is_some_and(|jump| jump.is_impact) || pairs.any(|pair| pair.rows.clone().any(closed))
     }
 
     /// Reactions of supports and couplings in a step, with the impulses of its impact.
@@ -267,7 +259,7 @@ where
         }
         // Multipliers at the start of the step do work; their forces belong to the force history.
         let (before, mut at_start) = (if is_long { 0.0 } else { 1.0 - scheme.weight }, vec![0.0; if is_long { 0 } else { unknowns }]);
-        for (index, pair) in system.pairs.iter().enumerate().filter(|(_, pair)| !pair.forces_stay_in_step()) {
+        for pair in system.pairs.iter().filter(|pair| !pair.forces_stay_in_step()) {
             let shares = |lambda: &[f64], share: f64| -> Vec<f64> { lambda[pair.rows.clone()].iter().map(|x| share * x).collect() };
             let (none, own) = (vec![0.0; pair.rows.len()], shares(lambda, scheme.weight));
             let mut work = pair.kernel.obstacle_force_into(scheme.derivative, &at.q_1, &none, &own, &mut obstacles);
@@ -276,22 +268,18 @@ where
                 work += pair.kernel.obstacle_force_into(scheme.derivative, &at.q_1, &lambda_n, &none, &mut at_start);
             }
             obstacle_work += work;
-            drive_works.extend(pair.drive.as_ref().map(|_| (index, if is_long { work / scheme.weight } else { work })));
+            drive_works.extend(pair.drive.as_ref().map(|_| if is_long { work / scheme.weight } else { work }));
         }
         if is_long {
             // The work of moving obstacles is that of the end forces over the whole step.
             obstacle_work /= scheme.weight;
         }
         let own = if remembers { [load.clone(), obstacles.clone()] } else { [Vec::new(), Vec::new()] };
-        for (index, pair) in system.pairs.iter().enumerate().filter(|(_, pair)| pair.forces_stay_in_step()) {
+        for pair in system.pairs.iter().filter(|pair| pair.forces_stay_in_step()) {
             let lambda = &lambda[pair.rows.clone()];
             let none = vec![0.0; lambda.len()];
-            let work = pair.kernel.obstacle_force_into(scheme.derivative, &at.q_1, &none, lambda, &mut obstacles);
-            obstacle_work += work;
-            drive_works.extend(pair.drive.as_ref().map(|_| (index, work)));
+            obstacle_work += pair.kernel.obstacle_force_into(scheme.derivative, &at.q_1, &none, lambda, &mut obstacles);
         }
-        drive_works.sort_by_key(|(index, _)| *index);
-        let drive_works = drive_works.into_iter().map(|(_, work)| work).collect();
         let is_grounded = |pair: &ContactPair| pair.reaction.as_ref().is_some_and(|reaction| reaction.is_grounded);
         let is_outside = |block: &RowBlock| block.is_slip() && (block.pair.kind == PairKind::Obstacle || is_grounded(block.pair));
         for block in system.blocks(&at.pairs, &at.slips).filter(is_outside) {

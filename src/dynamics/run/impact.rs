@@ -60,7 +60,6 @@ where
         let mut ratios = self.ratios(solution);
         loop {
             let mut jump = VelocityCorrection::none(v.len(), reserve.clone());
-            jump.is_impact = is_closing;
             let mut end = Ending { motion, solution, ours: &ours, hold: &hold, v: v.clone(), slips: &slips, ratios: &ratios };
             if is_closing {
                 self.close(&mut end, &mut jump)?;
@@ -92,7 +91,7 @@ where
     fn drop_gaining(&self, solution: &Solution, jump: &VelocityCorrection, ratios: &mut [f64]) -> bool {
         let work = self.friction_work(&solution.at, &solution.multipliers(), Some(jump));
         let mut is_any = false;
-        // Friction of joints is that of no contact, and has no part in a jump.
+        // Friction of joints belongs to no contact and has no part in a jump.
         let pairs = self.system.pairs.iter().enumerate().filter(|(_, pair)| pair.friction.is_some() && pair.reaction.is_none());
         for (_, pair) in pairs.filter(|(index, _)| work[self.system.contact_of(*index)] > 0.0) {
             pair.tangential().for_each(|(row, _)| is_any |= std::mem::take(&mut ratios[row]) != 0.0);

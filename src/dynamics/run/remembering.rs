@@ -1,10 +1,9 @@
-//! History variables of a time integrator at a state that none of its own steps has reached: at the start, after `settle`, after steps of
-//! another integrator, or after an impact.
+//! History variables of a time integrator at a state that none of its own steps has reached: at the start, after `settle`, or after steps
+//! of another integrator.
 
 use std::sync::Arc;
 
 use super::engine::Engine;
-use super::state::State;
 use crate::bodies::{Elements, Space};
 use crate::contact::PredictedMotion;
 use crate::dynamics::model::step_error::StepError;
@@ -12,7 +11,7 @@ use crate::dynamics::step::failure::Failure;
 use crate::dynamics::step::iterate::Linearization;
 use crate::dynamics::step::scheme_memory::{ForceHistory, SchemeMemory};
 use crate::dynamics::step::start::{StepKind, StepStart};
-use crate::integrators::{Derivative, History, Scheme};
+use crate::integrators::{Derivative, History};
 
 /// Fraction of a step over which the acceleration of a prescribed node is differenced, so that a kink at the start does not count.
 const SOON: f64 = 0.125;
@@ -24,33 +23,6 @@ where
     /// Computes the history variables of the time integrator from the forces at the present state, including forces that depend on
     /// velocities.
     pub(super) fn remember(&mut self) -> Result<(), StepError> {
-        let (scheme, lambda) = (self.options.integrator, self.state.lambda.clone());
-        self.remember_after(&scheme, &lambda)
-    }
-
-    /// Completes the state at the end of a step of size `dt`: after an impact the history variables begin anew, since the next step
-    /// continues neither the motion before the impact nor its forces. `scheme`: coefficients of the step, or of its stage.
-    ///
-    /// # Errors
-    /// A time function failed, or the run was interrupted.
-    pub(super) fn begin_anew(&mut self, scheme: &Scheme, dt: f64, mut end: State) -> Result<State, StepError> {
-        if end.remembered.is_of(&self.options.integrator) {
-            return Ok(end);
-        }
-        end.row.time = self.state.row.time + dt;
-        let mut lambda = end.lambda.clone();
-        for pair in self.system.pairs.iter().filter(|pair| pair.is_unilateral()) {
-            lambda[pair.rows.clone()].fill(0.0);
-            pair.tangential().for_each(|(row, _)| lambda[row] = 0.0);
-        }
-        let before = std::mem::replace(&mut self.state, Arc::new(end));
-        let outcome = self.remember_after(scheme, &lambda);
-        let end = std::mem::replace(&mut self.state, before);
-        outcome.map(|()| Arc::unwrap_or_clone(end))
-    }
-
-    /// Computes the history variables from the forces at the present state with the multipliers `lambda`.
-    fn remember_after(&mut self, scheme: &Scheme, lambda: &[f64]) -> Result<(), StepError> {
         let state = self.state.clone();
         if self.options.integrator.remembers.is_empty() {
             Arc::make_mut(&mut self.state).remembered = Arc::default();
@@ -66,8 +38,8 @@ where
         self.system.equations.move_obstacles(state.row.time, 0.0)?;
         self.count_turns();
         let begun = self.system.begin_step(&PredictedMotion::within(&state.positions, 0.0)).map_err(Failure::Linear);
-        let at = begun.and_then(|()| self.system.linearize(&start, q_0, &vec![0.0; q_0.len()], lambda));
-        let remembered = at.and_then(|at| self.memory_at(scheme, &start, &at).map(|memory| (at, memory)));
+        let at = begun.and_then(|()| self.system.linearize(&start, q_0, &vec![0.0; q_0.len()], &state.lambda));
+        let remembered = at.and_then(|at| self.memory_at(&start, &at).map(|memory| (at, memory)));
         let (at, remembered) = remembered.map_err(|failure| self.error_of(failure))?;
         Arc::make_mut(&mut self.state).remembered = Arc::new(remembered);
         self.system.recycle(at);
@@ -75,10 +47,10 @@ where
     }
 
     /// History variables of the time integrator for the forces at an iterate at rest.
-    fn memory_at(&mut self, scheme: &Scheme, start: &StepStart, at: &Linearization) -> Result<SchemeMemory, Failure> {
-        let of = self.options.integrator.describe();
-        let (forces, mut remembered) = (&at.forces, SchemeMemory { of, ..SchemeMemory::default() });
-        // Contacts act in their own step alone.
+    fn memory_at(&mut self, start: &StepStart, at: &Linearization) -> Result<SchemeMemory, Failure> {
+        let scheme = self.options.integrator;
+        let (forces, mut remembered) = (&at.forces, SchemeMemory { of: scheme.describe(), ..SchemeMemory::default() });
+        // Forces of contacts with friction enter only their own step.
         let mut lagging: Vec<f64> = (0..at.q_1.len()).map(|k| forces.residual(k)).collect();
         self.system.alone_into(start, at, &mut lagging);
         let residual = |factor: f64| lagging.iter().map(|force| factor * force).collect();
@@ -101,7 +73,7 @@ where
         }
         if scheme.remembers(History::Force) {
             let outside = self.outside_at(start, at, &multipliers).map_err(Failure::Fatal)?;
-            remembered.outside = outside.map(|force| ForceHistory::steady(scheme, &force));
+            remembered.outside = outside.map(|force| ForceHistory::steady(&scheme, &force));
         }
         Ok(remembered)
     }

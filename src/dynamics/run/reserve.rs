@@ -128,7 +128,6 @@ where
         let root = (b * b + 4.0 * a * energy).sqrt();
         let s = if b > 0.0 { 2.0 * energy / (b + root) } else { (root - b) / (2.0 * a) };
         end.add(jump, s, &push, &slopes);
-        jump.is_impact = true;
         opened.into_iter().for_each(|row| jump.reserve[row] = 0.0);
         Ok(true)
     }

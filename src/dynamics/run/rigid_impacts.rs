@@ -84,7 +84,6 @@ where
         let push = self.checked(motion, solution, push, tolerances::PUSH * outcome.exchanged)?;
         let mut jump = jump.unwrap_or_else(|| VelocityCorrection::none(v.len(), self.state.reserve.clone()));
         jump.add(1.0, &push, motion.dt);
-        jump.is_impact = true;
         jump.impact += outcome.lost;
         jump.closed.extend(touches.iter().map(|touch| touch.row).filter(|&row| jump.lambda[row] > 0.0));
         jump.energy += outcome.work - outcome.friction.iter().sum::<f64>();
@@ -191,20 +190,21 @@ where
         rows: &[usize],
         ending: Vec<f64>,
     ) -> Outcome {
+        let weight = motion.scheme.weight;
         // Impulses of the step's multipliers, to be removed if they have closed a gap.
         let multipliers = solution.multipliers();
         let is_closing = touches.iter().any(|touch| !touch.was_closed && multipliers[touch.row] > 0.0);
-        let taken: Vec<f64> = rows.iter().map(|&row| if is_closing { -motion.dt * multipliers[row] } else { 0.0 }).collect();
+        let taken: Vec<f64> = rows.iter().map(|&row| if is_closing { -weight * motion.dt * multipliers[row] } else { 0.0 }).collect();
         // Work of the closing, and its part beyond the targets: gaps are closed to a tolerance only, and multipliers are large in short
         // steps.
         let (mut closing, mut unbooked, mut slipped) = (0.0, 0.0, vec![0.0; touches.len()]);
         for (touch, slipped) in touches.iter().zip(&mut slipped).filter(|_| is_closing) {
             let pair = &self.system.pairs[touch.pair];
-            let (lambda, gap) = (multipliers[touch.row], solution.at.pairs[touch.pair].gap[touch.row - pair.rows.start]);
+            let (lambda, gap) = (weight * multipliers[touch.row], solution.at.pairs[touch.pair].gap[touch.row - pair.rows.start]);
             closing += lambda * (gap - conditions.gap_n[touch.row]);
             unbooked += lambda * (gap - conditions.targets[touch.row]);
             if let Some(friction) = &pair.friction {
-                let of = |row: usize| multipliers[row] * solution.at.slips[touch.pair].gap[row - friction.rows.start];
+                let of = |row: usize| weight * multipliers[row] * solution.at.slips[touch.pair].gap[row - friction.rows.start];
                 *slipped = self.slips_of(pair, touch.row).map(of).sum();
             }
         }

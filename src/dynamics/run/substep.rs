@@ -56,11 +56,10 @@ where
 
     /// Takes one stage of a substep, or the whole substep.
     fn stage(&mut self, scheme: &Scheme, dt: f64, may_be_halved: bool) -> Result<State, Failure> {
-        let end = match self.piece_within(scheme, dt, 1.0, may_be_halved) {
+        match self.piece_within(scheme, dt, 1.0, may_be_halved) {
             Err(Failure::Overlooked { .. }) => self.piece_within(scheme, dt, MORE_MOTION, may_be_halved),
             outcome => outcome,
-        };
-        end.and_then(|end| self.begin_anew(scheme, dt, end).map_err(Failure::Fatal))
+        }
     }
 
     /// Checks that boundaries rotate by less than a quarter of a turn in a step; beyond that the end of the step does not determine number

@@ -34,8 +34,6 @@ pub struct VelocityCorrection {
     pub impact: f64,
     /// Constraints of rigid contacts that participated in impacts.
     pub closed: Vec<usize>,
-    /// True if velocities jump where constraints close or open: history variables of the time integrator begin anew.
-    pub is_impact: bool,
 }
 
 impl VelocityCorrection {
@@ -53,7 +51,6 @@ impl VelocityCorrection {
             dissipated: 0.0,
             impact: 0.0,
             closed: Vec::new(),
-            is_impact: false,
         }
     }
 
