@@ -223,7 +223,7 @@ impl Row {
 
 /// Columns of the table: runs, runs with contact, runs with each fault, runs with more than one and a half times the limit of penetration;
 /// mean energy loss of contact over the energy; largest values; iterations of an accepted substep, halvings.
-const HEADER: &str = "method, rule; kind            runs touched failed crushed slow gained friction_gain cone defect momentum ledger  deep \
+const HEADER: &str = "method, rule; kind            runs touched failed crushed slow gained rubbed cone defect momentum ledger  deep \
                       >0.15 apart      lost     gain     cone   defect momentum  depth crossing misread  iter. halvings";
 
 /// Requested seeds and indices of axes, and number of threads.

@@ -336,8 +336,8 @@ mod tests {
                 let kernel = contact(&obstacle, &q_0, &translations);
                 let lambda = [1.5, -0.5];
                 let out = evaluated(&kernel, Derivative::DiscreteGradient, &q_1, &lambda);
-                let obstacle_side = kernel.gaps(|row| kernel.obstacle_side(row), kernel.translations[2], |row| kernel.position(row, &q_1, [0.0; 2]));
-                prop_assert_eq!(&out.gap, &obstacle_side);
+                let gaps = kernel.gaps(|row| kernel.obstacle_side(row), kernel.translations[2], |row| kernel.position(row, &q_1, [0.0; 2]));
+                prop_assert_eq!(&out.gap, &gaps);
                 let mut force = vec![0.0; 4];
                 let by_motion = kernel.obstacle_force_into(Derivative::DiscreteGradient, &q_1, &[0.0; 2], &lambda, &mut force);
                 let start = kernel.start_gap();

@@ -71,6 +71,12 @@ impl<'a> PredictedMotion<'a> {
         PredictedMotion { q, motion_bound: MotionBound::UpTo(motion_bound), reach: 1.0, depth: 0.0 }
     }
 
+    /// Positions at the end of the step by the first predicted displacement field; `None` without predicted fields `[length]`.
+    pub(super) fn end(&self) -> Option<Vec<f64>> {
+        let MotionBound::Guessed { displacements: [first, _], .. } = self.motion_bound else { return None };
+        Some(self.q.iter().zip(first).map(|(q, u)| q + u).collect())
+    }
+
     /// Search distance for facet pairs `[length]`.
     pub(super) fn search_margin(&self, sides: &Sides) -> f64 {
         self.reach * self.margin(sides)

@@ -110,7 +110,7 @@ pub const KEYS: &[(&str, &str)] = &[
     ),
     (
         "halvings_by_cause",
-        "an object: all halvings by cause; `sliding`, `approach` and `passing` were foreseen, `penetration_after_step` was seen after convergence, \
+        "an object: all halvings by cause; `sliding`, `approach` and `passing` were foreseen, `came_through` was seen after convergence, \
          `error_too_large` counts steps that chose too large a size, the others followed a failure of Newton's method",
     ),
     (
@@ -383,6 +383,8 @@ mod tests {
             wall_seconds: WallSeconds::new(Duration::from_secs(1), &phases, Duration::from_millis(125), Duration::ZERO),
             outcome: "completed".into(),
             units: Some([("mass", "kg".to_string())].into()),
+            results: [("peak".into(), 2.5.into())].into(),
+            result_units: [("peak".into(), "MPa".into())].into(),
             ..Summary::default()
         };
         summary.judge(&drifts);

@@ -21,7 +21,7 @@ use crate::contact::patches::{Evaluation, Place};
 use crate::contact::search::Candidates;
 use crate::contact::slip::SlipStep;
 use crate::contact::surface::{Sides, Surface};
-use crate::contact::window::{MotionBound, PredictedMotion};
+use crate::contact::window::PredictedMotion;
 use crate::integrators::{Configuration, Derivative, PatchFunction, Projection};
 
 /// Constraints per feature, as for a vertex in a pocket; for balls: constraints for all facets around a node, and largest radius in facets.
@@ -446,12 +446,9 @@ impl CandidateSearch for CornersInSpace {
         if changed {
             self.list_patches();
         }
-        match predicted_motion.motion_bound {
-            MotionBound::Guessed { displacements: [first, _], .. } => {
-                let predicted: Vec<f64> = predicted_motion.q.iter().zip(first).map(|(q, u)| q + u).collect();
-                self.choose(&[predicted_motion.q, &predicted], predicted_motion);
-            }
-            _ => self.choose(&[predicted_motion.q], predicted_motion),
+        match predicted_motion.end() {
+            Some(end) => self.choose(&[predicted_motion.q, &end], predicted_motion),
+            None => self.choose(&[predicted_motion.q], predicted_motion),
         }
         changed
     }

@@ -25,7 +25,7 @@ use crate::contact::numbers::Number;
 use crate::contact::patches::Evaluation;
 use crate::contact::slip::SlipStep;
 use crate::contact::surface::{Sides, Surface};
-use crate::contact::window::{MotionBound, PredictedMotion};
+use crate::contact::window::PredictedMotion;
 use crate::integrators::{Configuration, Derivative};
 use crate::math::tolerances::{LIES_ALONG, PROJECTED_INCREMENT, REMAINDER};
 
@@ -443,18 +443,12 @@ impl SlipsInSpace for RoundInSpace {
 
 impl CandidateSearch for RoundInSpace {
     fn update_candidates(&mut self, predicted_motion: &PredictedMotion) -> bool {
-        let predicted: Option<Vec<f64>> = match predicted_motion.motion_bound {
-            MotionBound::Guessed { displacements: [first, _], .. } => {
-                Some(predicted_motion.q.iter().zip(first).map(|(q, u)| q + u).collect())
-            }
-            _ => None,
-        };
-        let stretches: Vec<Option<Stretch>> = (0..self.is_there.len()).map(|row| self.stretch(row, predicted_motion.q)).collect();
+        let q = predicted_motion.q;
+        let end = predicted_motion.end();
+        let stretches: Vec<Option<Stretch>> = (0..self.is_there.len()).map(|row| self.stretch(row, q)).collect();
         self.stretches = stretches.iter().map(|stretch| stretch.unwrap_or(Stretch::Whole)).collect();
-        let is_there = |row: usize| {
-            self.is_near(row, predicted_motion.q, 0, predicted_motion)
-                || predicted.as_ref().is_some_and(|q| self.is_near(row, q, 2, predicted_motion))
-        };
+        let is_near = |row: usize, q: &[f64], time: usize| self.is_near(row, q, time, predicted_motion);
+        let is_there = |row: usize| is_near(row, q, 0) || end.as_ref().is_some_and(|end| is_near(row, end, 2));
         self.is_there = stretches.iter().enumerate().map(|(row, stretch)| stretch.is_some() && is_there(row)).collect();
         // The list of contact elements never changes.
         false

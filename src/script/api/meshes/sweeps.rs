@@ -30,6 +30,18 @@ fn growth(summary: &'static str) -> Parameter {
     Parameter::number("grading", "1", Interval::Positive, summary).or(Absent::Number(1.0))
 }
 
+/// Refuses options whose values follow from the points of a path.
+fn refuse_beside_path(options: &Options) -> Result<(), Failure> {
+    for name in ["height", "layers", "grading"] {
+        let argument = options.argument(name);
+        if argument.is_given() {
+            let title = format!("{} does not go with `path`, whose points say where the layers are", argument.title());
+            return Err(argument.fail(title).code(causes::OPTIONS_TOGETHER).hint(format!("leave out `{name}` or `path`")));
+        }
+    }
+    Ok(())
+}
+
 fn extrude() -> Function {
     Function {
         name: "extrude",
@@ -87,15 +99,7 @@ fn extrude() -> Function {
             let change = Change { twist: options.number("twist")?, scale: scale_of(&options)?, prisms };
             let path = options.argument("path");
             if path.is_given() {
-                for name in ["height", "layers", "grading"] {
-                    let argument = options.argument(name);
-                    if argument.is_given() {
-                        let failure = argument
-                            .fail(format!("{} does not go with `path`, whose points say where the layers are", argument.title()))
-                            .code(causes::OPTIONS_TOGETHER);
-                        return Err(failure.hint(format!("leave out `{name}` or `path`")).into());
-                    }
-                }
+                refuse_beside_path(&options)?;
                 let points = path.points()?;
                 return made(call, move || mesh.extruded_along(&points, change));
             }
