@@ -411,7 +411,12 @@ mod tests {
             "dt": 0.005,
             "held": true
           },
-          "results": {},
+          "results": {
+            "peak": 2.5
+          },
+          "result_units": {
+            "peak": "MPa"
+          },
           "version": "",
           "units": {
             "mass": "kg"
