@@ -37,7 +37,7 @@ pub(super) fn exact_profile(height_of: impl Fn(Vector, Vector) -> Option<f64>, n
     let mut missing = [0.0; 4];
     for (k, missing) in missing.iter_mut().enumerate() {
         let next = (k + 1) % 4;
-        let mean = mean_height(&height, [points[k], points[next], center])?;
+        let mean = mean_height(height, [points[k], points[next], center])?;
         *missing = mean - (corners[k] + corners[next] + middle + sagittas[k] + spokes[k] + spokes[next]) / 3.0;
     }
     (0..4).for_each(|k| spokes[k] += 0.75 * (missing[k] + missing[(k + 3) % 4]));
