@@ -50,7 +50,7 @@ pub static FURTHER: &[Further] = &[
 ];
 
 impl Field {
-    /// Index into [`FURTHER`] of the quantity from which the field follows; `None` if every recording has that quantity.
+    /// Index into `FURTHER` of the quantity from which the field follows; `None` if every recording has that quantity.
     pub fn further(self) -> Option<usize> {
         FURTHER.iter().position(|further| further.name == self.source())
     }
@@ -75,7 +75,7 @@ impl StillOptions {
         field.further().is_none_or(|further| self.further().contains(&further))
     }
 
-    /// Quantities beyond those of every recording, as ascending indices into [`FURTHER`].
+    /// Quantities beyond those of every recording, as ascending indices into `FURTHER`.
     pub fn further(&self) -> Vec<usize> {
         let mut all: Vec<usize> = self.fields.iter().filter_map(|field| field.further()).collect();
         all.sort_unstable();
