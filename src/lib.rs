@@ -35,7 +35,7 @@
 //! use std::sync::Arc;
 //!
 //! use conserva::dynamics::{
-//!     Change, Iterate, Model, Numbering, Options, Part, PartDefinition, Pose, Refusal, Remembered, Simulation, StepError, Sums,
+//!     Change, Iterate, Model, Numbering, Options, Part, PartDefinition, Pose, Refusal, PartStepResult, Simulation, StepError, Sums,
 //! };
 //! use conserva::integrators::ENERGY_MOMENTUM;
 //! use conserva::linear::{Block, Pattern};
@@ -98,9 +98,9 @@
 //!     fn energy(&self, _: Pose, _: &[f64]) -> f64 {
 //!         0.0
 //!     }
-//!     fn remembered(&self, at: &Iterate, _: &[f64]) -> Result<Remembered, StepError> {
+//!     fn remembered(&self, at: &Iterate, _: &[f64]) -> Result<PartStepResult, StepError> {
 //!         let power: f64 = (0..2).map(|i| self.viscosity * self.rate(at, i).powi(2)).sum();
-//!         Ok(Remembered { dissipated: at.dt * power, ..Remembered::default() })
+//!         Ok(PartStepResult { dissipated: at.dt * power, ..PartStepResult::default() })
 //!     }
 //! }
 //!
