@@ -76,7 +76,7 @@ impl Arguments {
     }
 
     fn scene(&self, seed: u64, (method, rule): (&'static ContactMethod, &'static UpdateRule)) -> Scene {
-        let mut scene = Scene::random(seed).with(method, rule).friction_gain(self.friction);
+        let mut scene = Scene::random(seed).with(method, rule).with_friction(self.friction);
         scene.dt *= self.dt_factor;
         scene
     }

@@ -43,7 +43,7 @@ const UNDETERMINED: [(u64, f64); 1] = [(5, 1e-3)];
 fn scene(seed: u64) -> Scene {
     let (methods, rules) = (METHODS, UPDATE_RULES);
     let scene = Scene::random(seed).with(methods[(seed % 4) as usize], rules[(seed % 3) as usize]);
-    if (seed / 12) % 3 == 1 && seed % 4 != 3 { scene.friction_gain([0.1, 0.3, 0.6][(seed % 4) as usize]) } else { scene }
+    if (seed / 12) % 3 == 1 && seed % 4 != 3 { scene.with_friction([0.1, 0.3, 0.6][(seed % 4) as usize]) } else { scene }
 }
 
 /// All runs, made once for all tests of this file, on all threads.

@@ -32,7 +32,7 @@ pub struct BallSlip {
     slips: Patches,
 }
 
-/// Outlook of elements that need no search.
+/// Predicted motion for contact elements that are always present, so that nothing is searched.
 const NOWHERE: PredictedMotion = PredictedMotion { q: &[], motion_bound: MotionBound::UpTo(0.0), reach: 0.0, depth: 0.0 };
 
 /// Products `a_i . b_j`.
@@ -91,13 +91,7 @@ impl PatchFunctions for BallSlip {
     }
 
     fn evaluate(&self, _derivative: Derivative, _q_1: &[f64], _lambda: &[f64], out: &mut Evaluation) {
-        let patches = self.patches();
-        out.prepare(patches, 1);
-        out.coverage.fill(1.0);
-        for p in 0..patches.len() {
-            out.clear_patch(patches, p);
-            out.live[p] = true;
-        }
+        out.prepare_without_force(self.patches());
     }
 
     fn evaluate_slips(&self, step: SlipStep, lambda: &[f64], out: &mut Evaluation) {

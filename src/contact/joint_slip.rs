@@ -50,13 +50,7 @@ impl PatchFunctions for JointSlip {
     }
 
     fn evaluate(&self, _derivative: Derivative, _q_1: &[f64], _lambda: &[f64], out: &mut Evaluation) {
-        let patches = self.patches();
-        out.prepare(patches, 1);
-        out.coverage.fill(1.0);
-        for p in 0..patches.len() {
-            out.clear_patch(patches, p);
-            out.live[p] = true;
-        }
+        out.prepare_without_force(self.patches());
     }
 
     fn evaluate_slips(&self, step: SlipStep, lambda: &[f64], out: &mut Evaluation) {

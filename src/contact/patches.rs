@@ -155,6 +155,16 @@ impl Evaluation {
         self.clear_sums(constraints);
     }
 
+    /// Evaluation of one normal constraint that is always present and exerts no force.
+    pub(crate) fn prepare_without_force(&mut self, patches: &Patches) {
+        self.prepare(patches, 1);
+        self.coverage.fill(1.0);
+        for p in 0..patches.len() {
+            self.clear_patch(patches, p);
+            self.live[p] = true;
+        }
+    }
+
     /// Begins an evaluation that stores blocks of live contact elements alone, which follow in ascending order by [`Self::open`]; sets gaps
     /// and coverage to zero.
     pub(crate) fn begin_live(&mut self, patches: &Patches, constraints: usize) {

@@ -65,7 +65,7 @@ pub(super) struct RollingContact<const D: usize, S> {
     /// Node of each part nearest to the obstacle at the start of the step.
     nearest: Vec<u32>,
     /// Side of the obstacle of each constraint in this step, with the normal at its start; `None` for absent constraints.
-    obstacle_side: Vec<Option<(S, SVector<f64, D>)>>,
+    obstacle_sides: Vec<Option<(S, SVector<f64, D>)>>,
 }
 
 impl<const D: usize, S: ObstacleSide<D>> RollingContact<D, S> {
@@ -95,7 +95,7 @@ impl<const D: usize, S: ObstacleSide<D>> RollingContact<D, S> {
             sides.list_slips();
         }
         let nearest = rollers.iter().map(|roller| roller.part.inside[0]).collect();
-        let obstacle_side = vec![None; sides.weights.len()];
+        let obstacle_sides = vec![None; sides.weights.len()];
         let at_start = vec![Tilt::of(0.0); sides.weights.len()];
         let start = vec![SVector::zeros(); rollers.len()];
         RollingContact {
@@ -107,7 +107,7 @@ impl<const D: usize, S: ObstacleSide<D>> RollingContact<D, S> {
             start,
             at_start,
             nearest,
-            obstacle_side,
+            obstacle_sides,
         }
     }
 
@@ -184,9 +184,9 @@ impl<const D: usize, S: ObstacleSide<D>> RollingContact<D, S> {
     }
 
     /// Present constraints: index, part, side of the obstacle, and normal at the start of the step.
-    fn rows_felt(&self) -> impl Iterator<Item = (usize, usize, &S, SVector<f64, D>)> {
+    fn present_constraints(&self) -> impl Iterator<Item = (usize, usize, &S, SVector<f64, D>)> {
         let count = self.shape.sides();
-        self.obstacle_side.iter().enumerate().filter_map(move |(row, obstacle_side)| {
+        self.obstacle_sides.iter().enumerate().filter_map(move |(row, obstacle_side)| {
             obstacle_side.as_ref().map(|(obstacle_side, normal)| (row, row / count, obstacle_side, *normal))
         })
     }
@@ -244,7 +244,7 @@ impl<const D: usize, S: ObstacleSide<D>> RollingContact<D, S> {
 
     /// Sides of the obstacle for the constraints of a part.
     pub(super) fn sides_near(&self, roller: usize) -> &[Option<(S, SVector<f64, D>)>] {
-        &self.obstacle_side[self.rows_of(roller)]
+        &self.obstacle_sides[self.rows_of(roller)]
     }
 
     /// Center of a part at the start of the step, relative to the obstacle.
@@ -310,10 +310,10 @@ where
                 let tilt = self.nearer(roller, local.normal, q_0);
                 self.touches(roller, &side, &local, tilt, q_0).then_some((side, local.normal))
             };
-            let obstacle_side: Vec<Option<(S, SVector<f64, D>)>> = near.into_iter().map(of_side).collect();
+            let found: Vec<Option<(S, SVector<f64, D>)>> = near.into_iter().map(of_side).collect();
             for (place, row) in self.rows_of(roller).enumerate() {
-                self.obstacle_side[row] = obstacle_side.get(place).cloned().flatten();
-                let normal = self.obstacle_side[row].as_ref().map_or(normal, |(_, normal)| *normal);
+                self.obstacle_sides[row] = found.get(place).cloned().flatten();
+                let normal = self.obstacle_sides[row].as_ref().map_or(normal, |(_, normal)| *normal);
                 self.at_start[row] = self.nearer(roller, normal, q_0);
             }
         }
@@ -321,7 +321,7 @@ where
 
     fn start_gap(&self) -> Vec<f64> {
         let mut gaps = vec![0.0; self.sides.weights.len()];
-        for (row, roller, obstacle_side, _) in self.rows_felt() {
+        for (row, roller, obstacle_side, _) in self.present_constraints() {
             let nearer = self.rollers[roller].part.radius * self.at_start[row].height;
             gaps[row] = self.sides.weights[row] * (obstacle_side.at(self.begins(roller)).gap - nearer);
         }
@@ -332,7 +332,7 @@ where
         let patches = &self.sides.patches;
         out.prepare(patches, self.sides.weights.len());
         (0..patches.len()).for_each(|p| out.clear_patch(patches, p));
-        for (row, p, obstacle_side, normal) in self.rows_felt() {
+        for (row, p, obstacle_side, normal) in self.present_constraints() {
             let (weight, Roller { masters, part, axis }) = (self.sides.weights[row], &self.rollers[p]);
             let end = obstacle_side.at(self.center(p, q_1, 2));
             let (bar, tangent) = self.step_gradient(obstacle_side, derivative, p, q_1);
@@ -432,7 +432,8 @@ where
     fn obstacle_force_into(&self, derivative: Derivative, q_1: &[f64], before: &[f64], lambda: &[f64], force: &mut [f64]) -> f64 {
         let way = self.moved(2) - self.moved(0);
         let mut work = 0.0;
-        for (row, roller, obstacle_side, normal) in self.rows_felt().filter(|&(row, ..)| before[row] != 0.0 || lambda[row] != 0.0) {
+        for (row, roller, obstacle_side, normal) in self.present_constraints().filter(|&(row, ..)| before[row] != 0.0 || lambda[row] != 0.0)
+        {
             let (weight, Roller { masters, part, axis }) = (self.sides.weights[row], &self.rollers[roller]);
             let of_step = self.step_gradient(obstacle_side, derivative, roller, q_1).0 * lambda[row];
             let f = (of_step + obstacle_side.at(self.begins(roller)).normal * before[row]) * weight;

@@ -1,7 +1,9 @@
 //! Counters of the work of linear solvers.
 
+use serde::{Deserialize, Serialize};
+
 /// Work counters; equal in every run and on every machine with equal instructions.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Work {
     /// Numeric factorisations.
     pub factorizations: usize,
@@ -18,8 +20,20 @@ pub struct Work {
 }
 
 impl Work {
+    /// Work after an earlier count of the same solver.
+    pub fn since(self, earlier: Work) -> Work {
+        Work {
+            factorizations: self.factorizations - earlier.factorizations,
+            operations: self.operations - earlier.operations,
+            structures: self.structures - earlier.structures,
+            dissections: self.dissections - earlier.dissections,
+            hierarchies: self.hierarchies - earlier.hierarchies,
+            iterations: self.iterations - earlier.iterations,
+        }
+    }
+
     /// Sum of two counts.
-    pub(super) fn and(self, other: Work) -> Work {
+    pub fn and(self, other: Work) -> Work {
         Work {
             factorizations: self.factorizations + other.factorizations,
             operations: self.operations + other.operations,

@@ -25,7 +25,7 @@ use crate::math::simd::instructions;
 /// First bytes of a checkpoint.
 pub const MAGIC: &[u8; 12] = b"conserva\0ckp";
 /// Version of the format.
-pub const FORMAT: u32 = 14;
+pub const FORMAT: u32 = 15;
 /// Bytes before the content.
 const HEADER: usize = MAGIC.len() + 4 + 8 + 4;
 /// Extension of the files beside checkpoints that keep results of studies' points ([`PointLog`](super::PointLog)).
@@ -311,7 +311,7 @@ impl Checkpoint {
 /// # Errors
 /// The operating system refused.
 pub fn restore_files(run: &Path, aside: &[CountedFile]) -> Result<(), OutputError> {
-    aside.iter().try_for_each(|file| file.restore_files(run).map_err(OutputError::write(run.join(&file.name))))
+    aside.iter().try_for_each(|file| file.restore(run).map_err(OutputError::write(run.join(&file.name))))
 }
 
 /// Returns the number in the name of a checkpoint.

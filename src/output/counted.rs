@@ -90,7 +90,7 @@ impl CountedFile {
     ///
     /// # Errors
     /// The operating system refused.
-    pub fn restore_files(&self, run: &Path) -> io::Result<()> {
+    pub fn restore(&self, run: &Path) -> io::Result<()> {
         let Some(place) = self.place(run) else { return Ok(()) };
         let part = place.with_extension("part");
         let _ = fs::remove_file(&part);

@@ -91,7 +91,7 @@ pub const KEYS: &[(&str, &str)] = &[
     ("halvings", "halvings of steps that were tried"),
     ("factorizations", "the number of numeric factorizations"),
     ("solver", "the linear solver: `direct`, `iterative`, or `iterative, direct` where the direct one had to take over"),
-    ("solver_iterations", "the iterations of the iterative solver since the program was started"),
+    ("solver_iterations", "the iterations of the iterative solver"),
     ("wall_seconds", "an object: where the time went, `total` and its parts [s]"),
     ("peak_memory_bytes", "the largest resident memory of the process, where the system tells"),
     ("energy_drift", "the largest change of the total energy since the loads ended, relative to the largest energy since then"),

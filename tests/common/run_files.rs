@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// Files of a run by their paths; summaries without times, memory and counts since the start of the program.
+/// Files of a run by their paths; summaries without times and memory.
 fn files(run: &Path) -> BTreeMap<String, Vec<u8>> {
     fn collect(folder: &Path, run: &Path, found: &mut BTreeMap<String, Vec<u8>>) {
         for entry in std::fs::read_dir(folder).into_iter().flatten() {
@@ -21,7 +21,6 @@ fn files(run: &Path) -> BTreeMap<String, Vec<u8>> {
                 let mut summary: serde_json::Value = serde_json::from_slice(&content).unwrap();
                 let members = summary.as_object_mut().unwrap();
                 assert!(members.remove("wall_seconds").is_some() && members.remove("peak_memory_bytes").is_some());
-                members.remove("solver_iterations");
                 content = serde_json::to_vec(&summary).unwrap();
             }
             found.insert(name, content);

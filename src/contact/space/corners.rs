@@ -73,7 +73,7 @@ pub struct CornersInSpace {
     pub(super) slots: usize,
     /// Height profiles of the facets of both sides.
     profiles: [Profiles; 2],
-    /// Reference warp of each facet of both sides, half the height difference of its nodes; 0 with a height profile `[length]`.
+    /// Reference warp of each facet of both sides, half the height difference of its nodes; 0 on curved surfaces `[length]`.
     warps: [Vec<f64>; 2],
     /// Offset added to the gap of each contact element.
     clearances: Vec<f64>,
@@ -92,10 +92,14 @@ impl CornersInSpace {
             return None;
         }
         let facet_size = secondary.shortest_facet(reference).min(primary.shortest_facet(reference));
-        // Gaps to facets with a height profile are measured to the curve.
+        // Gaps to facets of a curved surface are measured to the curve, which may be a pure twist within a facet: its own height is then 0.
         let warps = [(secondary, &profiles[0]), (primary, &profiles[1])].map(|(side, profiles)| {
-            let warp = |facet: usize| if profiles.height(facet) == 0.0 { faces::warp(side.facet(facet), reference) } else { 0.0 };
-            (0..side.count()).map(warp).collect()
+            let is_flat = |node: u32| {
+                let around = side.index(node).map_or(&[][..], |index| side.adjacent_facets(index));
+                around.iter().all(|&facet| profiles.height(facet as usize) == 0.0)
+            };
+            let warp = |nodes: &[u32]| if nodes.iter().all(|&node| is_flat(node)) { faces::warp(nodes, reference) } else { 0.0 };
+            (0..side.count()).map(|facet| warp(side.facet(facet))).collect()
         });
         let made = CornersInSpace::new(secondary.clone(), primary.clone(), features, reference, facet_size);
         Some(Box::new(CornersInSpace { profiles, warps, ..made }))

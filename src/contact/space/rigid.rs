@@ -54,7 +54,7 @@ pub struct RigidInSpace {
     /// True for nodes or points without constraints: those inside of round parts of a rigid body, which `contact/rolling.rs` constrains.
     is_hidden: Vec<bool>,
     /// Shape from which each constraint is measured in this step; `None` for absent constraints.
-    obstacle_side: Vec<Option<Shape>>,
+    obstacle_sides: Vec<Option<Shape>>,
 }
 
 impl RigidInSpace {
@@ -96,24 +96,24 @@ impl RigidInSpace {
             carried: ([0.0; 3], 0.0),
             start,
             neighbors,
-            obstacle_side: Vec::new(),
+            obstacle_sides: Vec::new(),
         };
-        contact.feel();
+        contact.select_obstacle_sides();
         contact
     }
 
     /// Removes the constraints of nodes or points; `is_hidden` is indexed like the secondary nodes.
     pub fn without(mut self, is_hidden: Vec<bool>) -> Self {
         self.is_hidden = is_hidden;
-        self.feel();
+        self.select_obstacle_sides();
         self
     }
 
     /// Selects the shape from which the gap of each constraint is measured, at the start of the step.
-    fn feel(&mut self) {
+    fn select_obstacle_sides(&mut self) {
         let (size, shift) = (self.sides.facet_size, Vector3::from(self.translations[0]));
-        let mut obstacle_side = vec![None; self.sides.weights.len()];
-        for (index, of_node) in obstacle_side.chunks_exact_mut(self.slots).enumerate().filter(|(index, _)| !self.is_hidden[*index]) {
+        let mut obstacle_sides = vec![None; self.sides.weights.len()];
+        for (index, of_node) in obstacle_sides.chunks_exact_mut(self.slots).enumerate().filter(|(index, _)| !self.is_hidden[*index]) {
             let x = self.start[index] - shift;
             of_node[0] = Some(self.shape.clone());
             let Shape::Facets(facets) = &self.shape else { continue };
@@ -139,7 +139,7 @@ impl RigidInSpace {
                 of_node[0] = planes.into_iter().find(is_front).map(|[point, normal]| Shape::Plane { point, normal });
             }
         }
-        self.obstacle_side = obstacle_side;
+        self.obstacle_sides = obstacle_sides;
     }
 
     /// Position of a node relative to the obstacle displaced by `translation`.
@@ -169,9 +169,9 @@ impl RigidInSpace {
     }
 
     /// Present constraints: index, index of the node, shape.
-    fn rows_felt(&self) -> impl Iterator<Item = (usize, usize, &Shape)> {
+    fn present_constraints(&self) -> impl Iterator<Item = (usize, usize, &Shape)> {
         let slots = self.slots;
-        self.obstacle_side.iter().enumerate().filter_map(move |(row, obstacle_side)| Some((row, row / slots, obstacle_side.as_ref()?)))
+        self.obstacle_sides.iter().enumerate().filter_map(move |(row, obstacle_side)| Some((row, row / slots, obstacle_side.as_ref()?)))
     }
 
     /// Signed distance from the whole obstacle at the end of the step for nodes at `q`, with the index of each node that has constraints.
@@ -197,12 +197,12 @@ impl PatchFunctions for RigidInSpace {
 
     fn begin_step(&mut self, q_0: &[f64]) {
         self.start = (0..self.sides.patches.len()).map(|index| self.position(index, q_0, [0.0; 3])).collect();
-        self.feel();
+        self.select_obstacle_sides();
     }
 
     fn start_gap(&self) -> Vec<f64> {
         let mut gaps = vec![0.0; self.sides.weights.len()];
-        for (row, index, shape) in self.rows_felt() {
+        for (row, index, shape) in self.present_constraints() {
             gaps[row] = self.sides.weights[row] * (shape.distance(self.begins(index)).gap - self.heights[index]);
         }
         gaps
@@ -211,7 +211,7 @@ impl PatchFunctions for RigidInSpace {
     fn evaluate(&self, derivative: Derivative, q_1: &[f64], lambda: &[f64], out: &mut Evaluation) {
         out.prepare(&self.sides.patches, self.sides.weights.len());
         (0..self.sides.patches.len()).for_each(|p| out.clear_patch(&self.sides.patches, p));
-        for (row, index, shape) in self.rows_felt() {
+        for (row, index, shape) in self.present_constraints() {
             let weight = self.sides.weights[row];
             let end = shape.distance(self.position(index, q_1, self.translations[2]));
             let step = self.step_gradient(shape, derivative, index, q_1);
@@ -264,7 +264,7 @@ impl SlipsInSpace for RigidInSpace {
             weights[0] = T::from(self.sides.weights[self.slots * p + place]);
             covered.then(|| Group { place, weights, tangents: slip::tangents(normal, axis), covered: 1.0 })
         };
-        self.obstacle_side[self.slots * p..self.slots * (p + 1)].iter().enumerate().filter_map(group).collect()
+        self.obstacle_sides[self.slots * p..self.slots * (p + 1)].iter().enumerate().filter_map(group).collect()
     }
 
     fn carrier(&self) -> Option<Carrier> {
@@ -310,7 +310,7 @@ impl RigidObstacle for RigidInSpace {
     fn obstacle_force_into(&self, derivative: Derivative, q_1: &[f64], before: &[f64], lambda: &[f64], force: &mut [f64]) -> f64 {
         let [start, _, end] = self.translations.map(Vector3::from);
         let mut work = 0.0;
-        for (row, index, shape) in self.rows_felt().filter(|&(row, ..)| before[row] != 0.0 || lambda[row] != 0.0) {
+        for (row, index, shape) in self.present_constraints().filter(|&(row, ..)| before[row] != 0.0 || lambda[row] != 0.0) {
             let node = 3 * self.sides.secondary.nodes()[index] as usize;
             let of_step = self.step_gradient(shape, derivative, index, q_1).bar * lambda[row];
             let of_start = shape.distance(self.begins(index)).normal * before[row];
@@ -397,7 +397,7 @@ mod tests {
                 let work = product(&force, &difference(&q_1, &q_0));
                 let size: f64 = 1.0 + force.iter().map(|f| f.abs()).sum::<f64>();
                 prop_assert!((work - by_gaps - by_motion).abs() < 4e-14 * size, "{obstacle:?}: {work} {by_gaps} {by_motion}");
-                for row in kernel.rows_felt().map(|(row, ..)| row) {
+                for row in kernel.present_constraints().map(|(row, ..)| row) {
                     let node = row / kernel.slots;
                     for i in 0..3 {
                         force[3 * node + i] -= lambda[row] * out.gradient_bar[3 * row + i];
@@ -524,7 +524,8 @@ mod tests {
         let gaps_at = |x: [f64; 3]| {
             let q: Vec<f64> = [x, [x[0] + 1.0, x[1], x[2]], [x[0], x[1] + 1.0, x[2]]].concat();
             let kernel = contact(&obstacle, &q, &[[0.0; 3]; 3]);
-            let gaps: Vec<f64> = kernel.rows_felt().filter(|&(_, node, _)| node == 0).map(|(row, ..)| kernel.start_gap()[row]).collect();
+            let gaps: Vec<f64> =
+                kernel.present_constraints().filter(|&(_, node, _)| node == 0).map(|(row, ..)| kernel.start_gap()[row]).collect();
             gaps.into_iter().map(|gap| gap / kernel.weights()[0]).collect::<Vec<f64>>()
         };
         let mut three = gaps_at([0.1, 0.2, 0.3]);

@@ -72,18 +72,18 @@ impl SpringLaw {
     }
 
     /// Effective elongation of a spring, 0 on an inactive side (tension or compression), and its derivative.
-    fn transmitted(&self, x: f64) -> (f64, f64) {
-        let is_felt = match self.sides {
+    fn effective(&self, x: f64) -> (f64, f64) {
+        let is_active = match self.sides {
             Sides::Both => true,
             Sides::Tension => x > 0.0,
             Sides::Compression => x < 0.0,
         };
-        if is_felt { (x, 1.0) } else { (0.0, 0.0) }
+        if is_active { (x, 1.0) } else { (0.0, 0.0) }
     }
 
     /// Stored energy at an elongation `[energy]`; 0 at zero elongation.
     pub fn energy(&self, x: f64) -> f64 {
-        let x = self.transmitted(x).0;
+        let x = self.effective(x).0;
         match &self.elastic {
             Elastic::Linear(k) => 0.5 * k * x.powi(2),
             Elastic::Table(points) => integral(points, 0.0, x),
@@ -93,8 +93,8 @@ impl SpringLaw {
 
     /// Force at an elongation `[force]`, and its slope `[force/length]`.
     pub fn force(&self, x: f64) -> (f64, f64) {
-        let (x, is_felt) = self.transmitted(x);
-        if is_felt == 0.0 {
+        let (x, is_active) = self.effective(x);
+        if is_active == 0.0 {
             return (0.0, 0.0);
         }
         match &self.elastic {
@@ -109,11 +109,11 @@ impl SpringLaw {
 
     /// Mean force between two elongations, and its derivative with respect to the second one.
     pub fn mean(&self, x_0: f64, x_1: f64) -> (f64, f64) {
-        let ((c_0, in_0), (c_1, in_1)) = (self.transmitted(x_0), self.transmitted(x_1));
+        let ((c_0, in_0), (c_1, in_1)) = (self.effective(x_0), self.effective(x_1));
         if in_0 == 0.0 && in_1 == 0.0 {
             return (0.0, 0.0);
         }
-        let (force, slope) = self.mean_of_felt(c_0, c_1);
+        let (force, slope) = self.mean_of_active(c_0, c_1);
         if in_0 == in_1 {
             return (force, slope);
         }
@@ -123,7 +123,7 @@ impl SpringLaw {
         (mean, (self.force(x_1).0 - mean) / change)
     }
 
-    fn mean_of_felt(&self, x_0: f64, x_1: f64) -> (f64, f64) {
+    fn mean_of_active(&self, x_0: f64, x_1: f64) -> (f64, f64) {
         let change = x_1 - x_0;
         match &self.elastic {
             Elastic::Linear(k) => (0.5 * k * (x_0 + x_1), 0.5 * k),

@@ -92,14 +92,16 @@ where
     }
 
     fn tally(&self) -> Tally {
-        let Statistics { steps, newton_iterations, halvings, factorizations, discarded, assemblies, .. } = self.statistics();
-        Tally { steps, newton_iterations, halvings, factorizations, discarded, assemblies, causes: self.halvings.clone(), passed: None }
+        let Statistics { steps, newton_iterations, halvings, factorizations, discarded, assemblies, linear, .. } = self.statistics();
+        let causes = self.halvings.clone();
+        Tally { steps, newton_iterations, halvings, factorizations, discarded, assemblies, linear, causes, passed: None }
     }
 
     fn count_from(&mut self, tally: &Tally) {
-        let Tally { steps, newton_iterations, halvings, factorizations, discarded, assemblies, causes, .. } = tally;
+        let Tally { steps, newton_iterations, halvings, factorizations, discarded, assemblies, linear, causes, .. } = tally;
         let counted = Statistics { steps: *steps, newton_iterations: *newton_iterations, halvings: *halvings, ..self.statistics };
         (self.statistics, self.halvings) = (counted, causes.clone());
+        self.system.counters.solved = [*linear, self.system.work()];
         let counters = &mut self.system.counters;
         (counters.factorizations, counters.discarded, counters.assemblies) = (*factorizations, *discarded, *assemblies);
     }
@@ -285,10 +287,11 @@ where
     }
 
     fn statistics(&self) -> Statistics {
+        let [base, earlier] = self.system.counters.solved;
         Statistics {
             factorizations: self.system.counters.factorizations,
             discarded: self.system.counters.discarded,
-            linear: self.system.work(),
+            linear: base.and(self.system.work().since(earlier)),
             taken_over: self.system.taken_over(),
             assemblies: self.system.counters.assemblies,
             cells: self.system.bodies.iter().map(|body| body.elements.cliques().len()).sum(),

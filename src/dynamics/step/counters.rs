@@ -2,6 +2,8 @@
 
 use std::time::Duration;
 
+use crate::linear::Work;
+
 /// Wall-clock time by phase since the simulation was made.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct PhaseTimes {
@@ -28,4 +30,6 @@ pub struct Counters {
     pub discarded: usize,
     /// Number of force evaluations.
     pub assemblies: usize,
+    /// Work of the linear solver that a continued run counts from, and the solver's own count at that time.
+    pub solved: [Work; 2],
 }

@@ -227,7 +227,7 @@ impl Scene {
     }
 
     /// The scene with friction.
-    pub fn friction_gain(self, friction: f64) -> Scene {
+    pub fn with_friction(self, friction: f64) -> Scene {
         Scene { friction, ..self }
     }
 
