@@ -51,4 +51,4 @@ pub use node_matrix::NodeMatrix;
 pub use pattern::{Block, Pattern, Role, Vertex};
 pub use solver::{LinearSolver, SolverMemory, TakenOver};
 pub use watch::InterruptWatch;
-pub use work::Work;
+pub use work::{SolverCalls, Work};

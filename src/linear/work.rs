@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 /// Work counters; equal in every run and on every machine with equal instructions.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Work {
     /// Numeric factorisations.
     pub factorizations: usize,
@@ -20,18 +20,6 @@ pub struct Work {
 }
 
 impl Work {
-    /// Work after an earlier count of the same solver.
-    pub fn since(self, earlier: Work) -> Work {
-        Work {
-            factorizations: self.factorizations - earlier.factorizations,
-            operations: self.operations - earlier.operations,
-            structures: self.structures - earlier.structures,
-            dissections: self.dissections - earlier.dissections,
-            hierarchies: self.hierarchies - earlier.hierarchies,
-            iterations: self.iterations - earlier.iterations,
-        }
-    }
-
     /// Sum of two counts.
     pub fn and(self, other: Work) -> Work {
         Work {
@@ -41,6 +29,30 @@ impl Work {
             dissections: self.dissections + other.dissections,
             hierarchies: self.hierarchies + other.hierarchies,
             iterations: self.iterations + other.iterations,
+        }
+    }
+
+    /// Calls of the two solvers, direct and iterative.
+    pub fn solver_calls(self) -> SolverCalls {
+        SolverCalls { factorizations: self.factorizations, iterations: self.iterations }
+    }
+}
+
+/// Part of the work that is the same whether a run was resumed or not: a resumed run makes other structures.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SolverCalls {
+    /// Numeric factorizations of the direct solver.
+    pub factorizations: usize,
+    /// Iterations of the iterative solver.
+    pub iterations: usize,
+}
+
+impl SolverCalls {
+    /// Count with a later count of the same solver added, less an earlier one.
+    pub fn plus(self, later: SolverCalls, earlier: SolverCalls) -> SolverCalls {
+        SolverCalls {
+            factorizations: self.factorizations + later.factorizations - earlier.factorizations,
+            iterations: self.iterations + later.iterations - earlier.iterations,
         }
     }
 }

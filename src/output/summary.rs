@@ -9,7 +9,7 @@ use std::time::Duration;
 use serde::{Serialize, Serializer};
 
 use crate::dynamics::{BodyDefinition, EnergyAccount, Halving, LedgerRow, Model, PhaseTimes, Rows, RunFinding, Statistics};
-use crate::linear::Work;
+use crate::linear::SolverCalls;
 
 /// Name of the file.
 pub const SUMMARY: &str = "summary.json";
@@ -172,7 +172,7 @@ impl Summary {
         self.newton_iterations = statistics.newton_iterations;
         self.halvings = statistics.halvings;
         self.factorizations = statistics.factorizations;
-        let Work { factorizations, iterations, .. } = statistics.linear;
+        let SolverCalls { factorizations, iterations } = statistics.solver_calls;
         self.solver = match (iterations, factorizations) {
             (0, _) => "direct",
             (_, 0) => "iterative",

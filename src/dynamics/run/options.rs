@@ -9,7 +9,7 @@ use super::pace::StepControl;
 use crate::dynamics::model::step_error::StepError;
 use crate::dynamics::step::counters::PhaseTimes;
 use crate::integrators::Scheme;
-use crate::linear::{SolverChoice, TakenOver, Work};
+use crate::linear::{SolverCalls, SolverChoice, TakenOver, Work};
 
 /// Options of the integration of a model.
 #[derive(Clone, Debug)]
@@ -90,8 +90,10 @@ pub struct Statistics {
     pub factorizations: usize,
     /// Factorizations of failed attempts and of undone steps.
     pub discarded: usize,
-    /// Work of the linear solver, including factorizations of refused steps.
+    /// Work of the linear solver since the program was started, including factorizations of refused steps.
     pub linear: Work,
+    /// Calls of the two solvers, including those before a resume.
+    pub solver_calls: SolverCalls,
     /// Matrices that the direct solver took over from the iterative one.
     pub taken_over: TakenOver,
     /// Evaluations of residual and tangent of all cells.

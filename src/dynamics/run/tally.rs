@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::halvings::{Halving, Halvings};
 use crate::dynamics::model::bounds::BodyPastObstacle;
-use crate::linear::Work;
+use crate::linear::SolverCalls;
 
 /// Counters of a simulation, for continuation. No step depends on them.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -15,7 +15,7 @@ pub struct Tally {
     pub(super) factorizations: usize,
     pub(super) discarded: usize,
     pub(super) assemblies: usize,
-    pub(super) linear: Work,
+    pub(super) solver_calls: SolverCalls,
     pub(super) causes: Halvings,
     /// Deepest penetration of a body into a rigid obstacle by a part outside its contact definition.
     pub(super) passed: Option<BodyPastObstacle>,

@@ -92,16 +92,16 @@ where
     }
 
     fn tally(&self) -> Tally {
-        let Statistics { steps, newton_iterations, halvings, factorizations, discarded, assemblies, linear, .. } = self.statistics();
+        let Statistics { steps, newton_iterations, halvings, factorizations, discarded, assemblies, solver_calls, .. } = self.statistics();
         let causes = self.halvings.clone();
-        Tally { steps, newton_iterations, halvings, factorizations, discarded, assemblies, linear, causes, passed: None }
+        Tally { steps, newton_iterations, halvings, factorizations, discarded, assemblies, solver_calls, causes, passed: None }
     }
 
     fn count_from(&mut self, tally: &Tally) {
-        let Tally { steps, newton_iterations, halvings, factorizations, discarded, assemblies, linear, causes, .. } = tally;
+        let Tally { steps, newton_iterations, halvings, factorizations, discarded, assemblies, solver_calls, causes, .. } = tally;
         let counted = Statistics { steps: *steps, newton_iterations: *newton_iterations, halvings: *halvings, ..self.statistics };
         (self.statistics, self.halvings) = (counted, causes.clone());
-        self.system.counters.solved = [*linear, self.system.work()];
+        self.system.counters.solver_calls_before = [*solver_calls, self.system.work().solver_calls()];
         let counters = &mut self.system.counters;
         (counters.factorizations, counters.discarded, counters.assemblies) = (*factorizations, *discarded, *assemblies);
     }
@@ -287,11 +287,12 @@ where
     }
 
     fn statistics(&self) -> Statistics {
-        let [base, earlier] = self.system.counters.solved;
+        let [base, earlier] = self.system.counters.solver_calls_before;
         Statistics {
             factorizations: self.system.counters.factorizations,
             discarded: self.system.counters.discarded,
-            linear: base.and(self.system.work().since(earlier)),
+            linear: self.system.work(),
+            solver_calls: base.plus(self.system.work().solver_calls(), earlier),
             taken_over: self.system.taken_over(),
             assemblies: self.system.counters.assemblies,
             cells: self.system.bodies.iter().map(|body| body.elements.cliques().len()).sum(),

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use crate::linear::Work;
+use crate::linear::SolverCalls;
 
 /// Wall-clock time by phase since the simulation was made.
 #[derive(Clone, Copy, Debug, Default)]
@@ -30,6 +30,6 @@ pub struct Counters {
     pub discarded: usize,
     /// Number of force evaluations.
     pub assemblies: usize,
-    /// Work of the linear solver that a continued run counts from, and the solver's own count at that time.
-    pub solved: [Work; 2],
+    /// Calls of the linear solvers that a continued run counts from, and the solvers' own count at that time.
+    pub solver_calls_before: [SolverCalls; 2],
 }
