@@ -9,15 +9,15 @@ pub type Points = [[f64; 2]];
 /// Norms of the difference of two curves over a range.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Distance {
-    /// Difference of largest magnitude, the second curve minus the first.
+    /// Difference of largest magnitude over the range, second curve minus first curve.
     pub largest: f64,
-    /// Abscissa of the largest difference.
+    /// Abscissa `x` of the largest difference.
     pub at: f64,
-    /// Mean of the difference.
+    /// Mean of the difference over the range.
     pub mean: f64,
-    /// Mean square of the difference.
+    /// Mean square of the difference over the range.
     pub mean_square: f64,
-    /// Mean square of the first curve.
+    /// Mean square of the first curve over the range, the scale for relative differences.
     pub scale: f64,
     /// Range of the abscissa.
     pub range: [f64; 2],

@@ -15,9 +15,9 @@ pub struct Search {
     pub lower: Vec<f64>,
     /// Upper bound of each variable.
     pub upper: Vec<f64>,
-    /// First distance between sample points, relative to each variable's range; at most one half.
+    /// Initial distance between sample points, relative to each variable's range; at most one half.
     pub step: f64,
-    /// Final distance between points, as a share of each range.
+    /// Final distance between sample points, relative to each variable's range.
     pub tolerance: f64,
     /// Largest number of evaluations; more than `2n + 1`.
     pub most: usize,
@@ -40,7 +40,7 @@ pub enum End {
     Stopped,
 }
 
-/// Number of initial sample points of a search in that many variables.
+/// Number `2n + 1` of initial sample points of a search in `n` variables.
 pub fn beginnings(variables: usize) -> usize {
     2 * variables + 1
 }
@@ -68,7 +68,7 @@ impl Search {
     fn point(&self, unit: &[f64]) -> Vec<f64> {
         let between = |(k, share): (usize, &f64)| {
             let (low, high) = (self.lower[k], self.upper[k]);
-            // Exact at both ends.
+            // This form gives the bounds exactly for shares of 0 and 1.
             (low * (1.0 - share) + high * share).clamp(low, high)
         };
         unit.iter().enumerate().map(between).collect()
@@ -79,7 +79,7 @@ impl Search {
         let mut config = Config::new(n);
         (config.rho_begin, config.rho_end, config.max_fun) = (self.step, self.tolerance, most);
         config.f_target = target.unwrap_or(STOP);
-        // In one variable the reference's test for a repair is decided by round-off.
+        // With one variable, round-off would decide PRIMA's test for replacing a sample point.
         config.prima_parity = n > 1;
         let share = |k: usize| (self.start[k] - self.lower[k]) / (self.upper[k] - self.lower[k]);
         let mut unit: Vec<f64> = (0..n).map(|k| share(k).clamp(0.0, 1.0)).collect();
@@ -106,7 +106,7 @@ impl Search {
     }
 }
 
-/// Value below all others, whose return ends a search.
+/// Value below all others: the search ends when the function returns it.
 const STOP: f64 = f64::MIN;
 
 #[cfg(test)]
