@@ -177,10 +177,10 @@ fn places_in(kind: CellKind, plane: CellKind) -> Vec<(usize, u32)> {
     kind.row().node_places.iter().filter_map(|&place| of_node(place)).collect()
 }
 
-/// Node of a second-order triangle, and its level, between two corners of its prism.
+/// Mid-side node of the plane triangle, and its level, for the edge between two corners of the prism over the triangle.
 fn between(cell: &[u32], [(a, a_above), (b, b_above)]: [(usize, bool); 2]) -> (u32, u32) {
     let level = u32::from(a_above) + u32::from(b_above);
-    // the mid-side node from a corner to the next one has the number of the corner plus three
+    // Mid-side node `3 + k` lies between corner `k` and the next corner.
     let local = if a == b { a } else { 3 + if (a + 1) % 3 == b { a } else { b } };
     (cell[local], level)
 }

@@ -75,7 +75,7 @@ fn version_4(is_little: bool) -> Vec<u8> {
     file.sizes(&[3, 1, 2, 3]);
     for point in &POINTS[..3] {
         file.reals(point);
-        // its place on the curve
+        // A parametric node: coordinates, then its parameter on the curve.
         file.reals(&point[..1]);
     }
     file.ints(&[2, 1, 0]);
@@ -239,7 +239,7 @@ fn solid_files_have_their_surfaces_sets_and_parts_in_place() {
         };
         facets.iter().map(middle).collect()
     };
-    // S1 to S4 are the faces 123, 142, 243, 341 (sums of their corners)
+    // Sides S1 to S4 of a tetrahedron are the faces 123, 142, 243, 341; expected are the sums of their corners.
     assert_eq!(middles("s1"), [[1.0, 1.0, 0.0]]);
     assert_eq!(middles("s2"), [[1.0, 0.0, 1.0]]);
     assert_eq!(middles("s3"), [[1.0, 1.0, 1.0]]);
@@ -250,14 +250,14 @@ fn solid_files_have_their_surfaces_sets_and_parts_in_place() {
     assert_eq!(mesh.parts, [("above".to_string(), vec![0]), ("below".to_string(), vec![1])]);
     let below = mesh.part("below").unwrap();
     assert_eq!((below.cell_count(), below.boundary("lower").unwrap().facets.len(), below.surface_defects()), (1, 2, Vec::new()));
-    // reflected: all cells, or one of two
+    // Reversed node order in one of two cells, then in all cells.
     let mirrored = tetrahedra.replace("10, 1, 2, 3, 4", "10, 1, 3, 2, 4");
     let error = read_mesh_bytes(mirrored.as_bytes()).unwrap_err();
     assert_eq!(error.to_string(), "cell 10 at (0.25, 0.25, 0.25) is inside out: its Jacobian determinant is -1 (1 of 2 cells are)");
     assert!(error.line() == Some(9) && error.hint().contains("counter-clockwise as seen from the others: write"), "{}", error.hint());
     let all = mirrored.replace("20, 1, 3, 2, 5", "20, 1, 2, 3, 5");
     assert!(read_mesh_bytes(all.as_bytes()).unwrap_err().hint().contains("all cells are mirrored"));
-    // two hexahedra, with a set of both on top: S2 is the face of the last four nodes
+    // Two hexahedra with a set of both as the top side: S2 is the face of the last four nodes.
     let hexahedra = "*NODE\n1, 0, 0, 0\n2, 1, 0, 0\n3, 1, 1, 0\n4, 0, 1, 0\n5, 0, 0, 1\n6, 1, 0, 1\n7, 1, 1, 1\n8, 0, 1, 1\n\
          11, 2, 0, 0\n12, 2, 1, 0\n13, 2, 0, 1\n14, 2, 1, 1\n*ELEMENT, TYPE=C3D8R, ELSET=all\n1, 1, 2, 3, 4, 5, 6, 7,\n8\n\
          2, 2, 11, 12, 3, 6, 13, 14, 7\n*SURFACE, NAME=top\nall, S2\n*SURFACE, NAME=ends\n1, S6\n2, S4\n*SURFACE, NAME=skin\nall,\n";

@@ -161,7 +161,7 @@ fn write_elements(text: &mut String, blocks: &[Block]) {
     line(text, format_args!("$EndElements"));
 }
 
-/// Writing into a string does not fail.
+/// Appends a formatted line; writing into a string cannot fail.
 fn line(text: &mut String, content: std::fmt::Arguments) {
     let _ = text.write_fmt(content);
     text.push('\n');

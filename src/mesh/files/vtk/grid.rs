@@ -45,7 +45,7 @@ impl Content {
         self.left_out.insert(name.into());
     }
 
-    /// Adds a piece. Names of groups are given by array and value, or composed of both.
+    /// Adds a piece of the grid. Group names are looked up by array and value, otherwise composed of both.
     pub(super) fn add(&mut self, mut piece: GridPiece, names: &BTreeMap<(String, i64), String>) -> Result<(), MeshError> {
         let first = self.tables.points.len() as u64;
         for (index, point) in (first..).zip(piece.points.chunks_exact(3)) {
@@ -81,7 +81,7 @@ impl Content {
         Ok(())
     }
 
-    /// Group numbers of all values of each array, with their names.
+    /// Group numbers by array and value; registers the names of the groups.
     fn numbers_of_groups<'a>(
         &mut self,
         groups: &'a [(String, Vec<i64>)],
