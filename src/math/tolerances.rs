@@ -14,8 +14,7 @@ pub use surfaces::*;
 /// round-off (1e-16) and a hundred times below the admissible defect of 1e-11 per step.
 pub const NEWTON_ENERGY: f64 = 1e-13;
 
-/// Factor of [`NEWTON_ENERGY`] in a step after the accumulated defect has reached [`DEFECT`]: the sum of a million such steps remains far
-/// below that limit.
+/// Factor of [`NEWTON_ENERGY`] in a step after the accumulated defect has reached [`DEFECT`]: a million such steps add far less.
 pub const EXACT: f64 = 1e-6;
 
 /// Default tolerance of adaptive steps: growth of the position error in a step, relative to the length of the bodies' paths. An error of
@@ -36,8 +35,7 @@ pub const SMALLEST_STEP: f64 = 1e-6;
 /// momentum defect of 5e-12 of the momentum that belongs to its energy.
 pub const NEWTON_MOMENTUM: f64 = 0.01;
 
-/// Relative force residual below which the energy criterion alone decides convergence: a guard against a residual that is orthogonal to the
-/// increment by chance.
+/// Relative force residual below which energy alone decides convergence: guards against a residual orthogonal to the increment.
 pub const NEWTON_FORCE: f64 = 1e-7;
 
 /// Energy criterion of Newton's method for intermediate equilibria.
@@ -53,24 +51,20 @@ pub const BALANCE: f64 = 1e-11;
 /// Relative difference of the accelerations of two bodies below which they count as equal (free fall): round-off of sums over many nodes.
 pub const ALIKE: f64 = 1e-9;
 
-/// Stiffness of the supports against a rigid motion, relative to their largest stiffness, below which the supports leave this motion free:
-/// round-off of node positions.
+/// Stiffness of the supports against a rigid motion, relative to their largest stiffness, below which this motion counts as free.
 pub const HELD: f64 = 1e-10;
 
-/// Component of a vector orthogonal to the Lanczos basis, relative to the vector, that is round-off: the operator is accurate to about
-/// 1e-14.
+/// Component of a vector orthogonal to the Lanczos basis, relative to the vector, that is round-off: the operator has errors of 1e-14.
 pub const LANCZOS_DEPENDENT: f64 = 1e-11;
 
-/// Residual of a vibration mode relative to its eigenvalue of the inverse operator; the relative error of the frequency is of the order of
-/// its square.
+/// Residual of a vibration mode relative to its eigenvalue of the inverse operator; the frequency error is of the order of its square.
 pub const MODE_RESIDUAL: f64 = 1e-8;
 
 /// Relative distance above the last buckling load factor found, at which the inertia of the stiffness counts the factors below: above
 /// round-off, below the next factor.
 pub const COUNTED_BEYOND: f64 = 1e-4;
 
-/// Distance of two eigenvalues, relative to their distance from the shift, below which round-off makes a count of eigenvalues between them
-/// unreliable.
+/// Distance of two eigenvalues, relative to their distance from the shift, below which counts of eigenvalues between them are unreliable.
 pub const MODE_GAP: f64 = 1e-7;
 
 /// Shift of the eigenvalue problem, relative to the squared wave frequency of the slowest component: far below the first vibration except
@@ -81,20 +75,17 @@ pub const MODE_SHIFT: f64 = 1e-3;
 /// 1e-16 to 1e-14, with a margin for large models.
 pub const EFFECTIVE_MASS: f64 = 1e-12;
 
-/// Round-off of an eigenvalue, relative to the largest ratio of a diagonal stiffness entry to its mass; smaller eigenvalues are set to
-/// zero.
+/// Round-off of an eigenvalue, relative to the largest ratio of a diagonal stiffness entry to its mass; smaller values are set to zero.
 pub const MODE_FLOOR: f64 = 1e-14;
 
-/// Fraction of the load increment used in difference quotients with respect to the load: most loads are linear in it, and smaller fractions
-/// amplify round-off.
+/// Fraction of the load increment for difference quotients: most loads are linear, and smaller fractions amplify round-off.
 pub const LOAD_DIFFERENCE: f64 = 1e-3;
 
 /// Residual of an equilibrium on a load path, relative to the largest force: a tenth of the tolerance of `settle`. A correction below this
 /// fraction of the displacements is negligible.
 pub const PATH: f64 = 1e-12;
 
-/// Relative residual up to which an equilibrium on a load path is accepted if a further correction no longer halves it: round-off of stiff
-/// cells with small strain.
+/// Relative residual at which an equilibrium on a load path is accepted if corrections no longer halve it: round-off of stiff cells.
 pub const PATH_STUCK: f64 = 1e-8;
 
 /// Relative asymmetry of a stiffness matrix that exceeds round-off and indicates follower loads.
@@ -134,8 +125,7 @@ pub const KINK_QUOTIENT: f64 = 1e-8;
 /// Change of the thickness strain of plane stress at which its Newton iteration ends; convergence is quadratic.
 pub const THICKNESS_STRAIN: f64 = 1e-10;
 
-/// Change of the invariants of a facet pair, relative to the invariants, below which the correction term of the discrete gradient may be
-/// mere round-off.
+/// Change of the invariants of a facet pair, relative to these, below which the correction of the discrete gradient may be round-off.
 pub const INVARIANT_INCREMENT: f64 = 1e-5;
 
 /// Increment of a contact element without its rigid part, relative to the size of the element, below which the correction of the projected
@@ -233,8 +223,7 @@ pub const BESIDE: f64 = 1e-6;
 /// search covers half a facet, so that a deeper overlap had no constraint; interlocking polygons and weighted gaps leave a tenth.
 pub const LEFT: f64 = 0.5;
 
-/// Penetration of a body through the hull of another one, in the shorter facets nearby, that is an error in the initial equilibrium if
-/// there is no contact force.
+/// Penetration through the hull of another body, in the shorter facets nearby, that is an initial error without contact force.
 pub const LEFT_PASSED: f64 = 0.25;
 
 /// Penetration in the initial equilibrium, in the longest facets nearby, up to which a positive multiplier shows that the contact is
@@ -254,8 +243,7 @@ pub const JUMP: f64 = 1e-9;
 /// Ratio of kinetic to strain energy up to which bodies count as being at rest.
 pub const AT_REST: f64 = 1e-6;
 
-/// Estimated relative stress error at rest above which the mesh is reported as coarse. Its square, 6 %, approximates the relative error of
-/// the stiffness.
+/// Estimated relative stress error at rest from which the mesh is reported as coarse: its square, 6 %, is about the stiffness error.
 pub const COARSE: f64 = 0.25;
 
 /// Work that contact adds in a step, relative to all energy, above which it is reported: no contact rule adds energy except by round-off.
@@ -274,8 +262,7 @@ pub const NO_ENERGY: f64 = 1e-40;
 /// which the step is reported as too large.
 pub const LEAP: f64 = 0.05;
 
-/// Energy that contact has dissipated or stores, relative to all energy, above which it is reported: from this size on it is visible in a
-/// plot.
+/// Energy that contact has dissipated or stores, relative to all energy, above which it is reported: it is then visible in a plot.
 pub const LOST: f64 = 1e-3;
 
 /// Step halvings per accepted step, for each cause of failure, above which they are reported; fewer have no noticeable cost.
@@ -288,16 +275,14 @@ pub const CORNER_AUGMENTATION: f64 = 1e6;
 /// are nearly linearly dependent. The value has no effect on the convergence of Newton's method.
 pub const SURFACE_AUGMENTATION: f64 = 1e8;
 
-/// Admissible resultant momentum of an impulse of the `velocity` rule, relative to the sum of its nodal momenta: the documented 1e-11 per
-/// step.
+/// Admissible resultant momentum of a `velocity` impulse, relative to the sum of its nodal momenta: the documented 1e-11 per step.
 pub const PUSH: f64 = 1e-12;
 
 /// Additional momentum tolerance of the velocity filter, relative to the momenta exchanged by the filter's stiffness: in long steps the
 /// round-off of these momenta exceeds that of the velocities.
 pub const FILTER: f64 = 1e-14;
 
-/// Overlap at the end of a step, in shortest secondary facets, of a facet pair excluded from the step, above which the step is repeated
-/// with the pair.
+/// Overlap of an excluded facet pair at the end of a step, in shortest secondary facets, above which the step is repeated with it.
 pub const OVERLOOKED: f64 = 1e-6;
 
 /// Uncovered fraction up to which a facet counts as fully covered. At the rims of a press fit the fraction varies with the gap; with a
@@ -310,8 +295,7 @@ pub const SLIVER: f64 = 0.02;
 /// Largest nodal increment of one Newton iteration, in shortest secondary facets.
 pub const STEP_LIMIT: f64 = 0.1;
 
-/// Covered fraction of a secondary node's weight function below which its constraint is left out of the iteration: a zero row would make
-/// the matrix singular.
+/// Covered fraction of a node's weight function below which an iteration omits its constraint: a zero row makes the matrix singular.
 pub const ZERO_ROW: f64 = 1e-6;
 
 /// Backward error of the linear solve that needs no refinement: three decimal digits above round-off.
@@ -400,26 +384,22 @@ pub const RIGID_DAMPING: f64 = 1e-2;
 /// Motion in a step of `settle`, in facets, below which the bodies count as standing.
 pub const STANDS: f64 = 1e-3;
 
-/// Resultant force, relative to the sum of the force magnitudes, that counts as balanced in the diagnosis of a failed step: far above
-/// round-off.
+/// Resultant force, relative to the sum of the force magnitudes, that counts as balanced in a diagnosis: far above round-off.
 pub const EXPLAINED: f64 = 1e-6;
 
-/// Largest non-rigid part of a null vector of the singular matrix, relative to the vector, for which the message describes it as a rigid
-/// motion.
+/// Largest non-rigid part of a null vector, relative to the vector, for which messages describe it as a rigid motion.
 pub const RIGID: f64 = 1e-5;
 
 /// Relative difference below which two values of a finding count as equal, so that round-off does not decide which place is reported.
 pub const EQUAL: f64 = 1e-6;
 
-/// Deviation of an angle from a multiple of a quarter turn, in quarter turns, below which the angle is set to that multiple: last bit of a
-/// conversion from degrees.
+/// Deviation of an angle from a multiple of a quarter turn, in quarter turns, that is round-off of the conversion from degrees.
 pub const QUARTER_TURN: f64 = 1e-12;
 
 /// Default relative tolerance of `expect_close`.
 pub const CLOSE: f64 = 1e-9;
 
-/// Default relative tolerance of comparisons between a run and the run of the translated or rotated model: round-off of some hundred steps
-/// of a collision.
+/// Default relative tolerance between a run and that of the moved model: round-off of some hundred steps of a collision.
 pub const INVARIANT: f64 = 1e-7;
 
 /// Relative error below which no order of convergence is computed from differences: they are round-off.
@@ -462,8 +442,7 @@ pub const ON_CIRCLE: f64 = 1e-3;
 /// Relative round-off of a sum of a thousand lengths.
 pub const SUM_OF_LENGTHS: f64 = 1e-12;
 
-/// Default resolution of a minimization, relative to the range between bounds: six digits, the accuracy of a simulation with discretization
-/// error.
+/// Default resolution of a minimization, relative to the range between bounds: six digits, as accurate as a simulation.
 pub const MINIMIZED: f64 = 1e-6;
 
 /// Distance of a node of a rigid body from the plane of the other master nodes, relative to the body size, below which the nodes count as

@@ -8,7 +8,7 @@ use crate::math::simd::{Kernel, dispatch};
 /// Vector in space.
 pub type Vec3<T> = [T; 3];
 
-/// Number of unknowns per differentiation pass: half of those of two facets, all plane coordinates of two triangles.
+/// Number of unknowns per differentiation pass: half of those of two facets, or all plane coordinates of two triangles.
 pub const LANES: usize = 12;
 
 /// Number with its derivatives with respect to [`LANES`] unknowns.
@@ -40,7 +40,7 @@ pub fn cross<T: Copy, R: Number + Mul<T, Output = R>>(a: Vec3<R>, b: Vec3<T>) ->
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-/// Diagonals of a facet of four nodes, or two sides of a triangle; their cross product is along the normal.
+/// Diagonals of a facet of four nodes, or two sides of a triangle, whose cross product is along the normal.
 #[inline(always)]
 pub fn diagonals<T: Number>(nodes: &[Vec3<T>]) -> [Vec3<T>; 2] {
     if nodes.len() == 3 { [sub(nodes[1], nodes[0]), sub(nodes[2], nodes[0])] } else { [sub(nodes[2], nodes[0]), sub(nodes[3], nodes[1])] }
