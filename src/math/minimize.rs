@@ -145,13 +145,13 @@ mod tests {
     fn known_minima_are_found() {
         let (best, value, end, _) = solve(&search(&[-1.2, 1.0], &[-2.0, -2.0], &[2.0, 2.0]), rosenbrock);
         assert!(near(&best, &[1.0, 1.0], 1e-6) && value < 1e-12 && end == End::Converged, "{best:?} {value} {end:?}");
-        // In one variable, and of very different sizes.
+        // One variable; then variables of very different size.
         let (best, ..) = solve(&search(&[0.2], &[0.0], &[1.0]), |x| (x[0] - 0.7).powi(2));
         assert!(near(&best, &[0.7], 1e-7), "{best:?}");
         let f = |x: &[f64]| (x[0] / 2.1e11 - 1.0).powi(2) + (x[1] - 0.3).powi(2);
         let (best, ..) = solve(&search(&[1e11, 0.1], &[1e10, 0.0], &[1e12, 0.49]), f);
         assert!(near(&best, &[2.1e11, 0.3], 1e5), "{best:?}");
-        // On a bound, exactly.
+        // Minimum exactly on a bound.
         let (best, ..) = solve(&search(&[0.5, 0.5], &[0.0, 0.25], &[1.0, 1.0]), |x| (x[0] + 1.0).powi(2) + x[1]);
         assert_eq!(best, [0.0, 0.25]);
     }
