@@ -47,6 +47,9 @@ impl From<MeshError> for Trouble {
 
 /// Layers along all segments of the rim that belong to a layered boundary. Each rim segment carries one stack of cells, or two if `halves`
 /// is 2.
+///
+/// # Errors
+/// Layers that leave no room, corners that are too sharp, an odd number of layers that end within the body of quadrilaterals.
 pub(super) fn layered(rim: &Rim, layers: &Layers, halves: usize) -> Result<Layered, MeshError> {
     let levels = layers.levels();
     let scaled = |share: f64| levels.iter().map(|level| share * level).collect::<Vec<f64>>();
@@ -131,7 +134,7 @@ impl LayerBuilder<'_> {
             return Ok(());
         };
         let turned: Vec<usize> = (0..pieces.len()).map(|k| pieces[(start + k) % pieces.len()]).collect();
-        // stretches with layers and the gaps after them, alternately
+        // Stretches with layers and the gaps that follow them, alternately.
         let stretches: Vec<&[usize]> = turned.chunk_by(|a, b| is_layered(*a) == is_layered(*b)).collect();
         let mut gaps: Vec<Vec<CurveSegment>> =
             stretches.chunks(2).map(|pair| pair[1].iter().map(|&piece| self.rim.pieces[piece]).collect()).collect();
@@ -141,7 +144,7 @@ impl LayerBuilder<'_> {
             let before = (number + gaps.len() - 1) % gaps.len();
             let last = base.len() - 1;
             let start = self.end(&mut gaps[before], base[0], minus(base[1], base[0]), |point| point)?;
-            // backwards the body is on the right; a reflection in the x axis moves it to the left
+            // When traversed backwards the body is on the right; a reflection in the x axis moves it to the left.
             let mut behind: Vec<CurveSegment> = gaps[number].iter().rev().map(|&(curve, [from, to])| (curve, [to, from])).collect();
             let end = self.end(&mut behind, base[last], minus(base[last - 1], base[last]), |[x, y]| [x, -y])?;
             gaps[number] = behind.into_iter().rev().map(|(curve, [from, to])| (curve, [to, from])).collect();

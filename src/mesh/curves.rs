@@ -342,7 +342,7 @@ mod tests {
         assert!(worst < 2e-5, "{worst}");
         let (before, after) = (circle.at(1.0 - 1e-6), circle.at(1e-6));
         assert!((before[0] - after[0]).abs() < 1e-9 && (before[1] + after[1]).abs() < 1e-9, "{before:?} {after:?}");
-        // a straight line stays straight
+        // A spline through collinear points is a straight line.
         let line = Curve::spline(vec![[0.0, 0.0], [1.0, 1.0], [3.0, 3.0]]).unwrap();
         assert!((0..100).map(|k| line.at(f64::from(k) / 100.0)).all(|[x, y]| (x - y).abs() < 1e-15));
         assert!(matches!(Curve::spline(vec![[0.0, 0.0]]), Err(MeshError::FewPoints { .. })));

@@ -289,17 +289,17 @@ pub enum FileProblem {
     /// Shells or membranes without solid or plane cells.
     #[error("the file has no solid or plane cells, but {count} shell, membrane or rigid elements ({name})")]
     Shells {
-        /// Name of a type of these elements.
+        /// Name of one type of the shells or membranes.
         name: String,
-        /// Number of these elements in the file.
+        /// Number of shells and membranes in the file.
         count: usize,
     },
     /// Elements that are no cells, refused because of the option `Structural::Refused`.
     #[error("the file has elements that are no cells of bodies: {count} {name}")]
     Structural {
-        /// Name of a type of these elements.
+        /// Name of one type of the elements that are no cells.
         name: String,
-        /// Number of elements of the type.
+        /// Number of elements of this type.
         count: usize,
     },
     /// A keyword without a required parameter.

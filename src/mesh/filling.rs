@@ -29,7 +29,7 @@ pub(super) struct FilledRegion {
 }
 
 impl FilledRegion {
-    /// Mesh of a kind with these boundaries, with mid-side nodes on their curves.
+    /// Mesh of a kind with the given boundaries; mid-side nodes lie on the curves of their edges.
     pub fn finished(self, rim: &Rim, boundaries: Vec<Boundary>, kind: CellKind) -> Result<Mesh, MeshError> {
         let mesh = Mesh { boundaries, ..self.mesh };
         let middle = |[a, b]: [u32; 2], _| {

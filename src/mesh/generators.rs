@@ -176,7 +176,7 @@ mod tests {
         let mesh = ring(inner, outer, [4, 48], center, 0.3).unwrap();
         assert_eq!((mesh.points.len(), mesh.cell_count()), (5 * 48, 4 * 48));
         assert_eq!(names(&mesh), ["inner", "outer"]);
-        // a regular n-gon of radius r has area n/2 r^2 sin(2 pi/n) and perimeter 2 n r sin(pi/n)
+        // A regular n-gon of radius r has the area n/2 r^2 sin(2 pi/n) and the perimeter 2 n r sin(pi/n).
         let n = 48.0;
         let area = n / 2.0 * (TAU / n).sin() * (outer * outer - inner * inner);
         assert!((mesh.measure() - area).abs() < ROUND_OFF);
@@ -192,7 +192,7 @@ mod tests {
             assert!(is_traversed(&mesh, name));
         }
         assert_eq!(mesh.hull().len(), 2 * 48);
-        // counter-clockwise from the start angle, layers from the inside out
+        // Nodes run counter-clockwise from the start angle, in layers from the inside out.
         assert_eq!(mesh.points[0], [center[0] + inner * 0.3f64.cos(), center[1] + inner * 0.3f64.sin(), 0.0]);
         assert!(mesh.points[1][1] > mesh.points[0][1]);
         assert_eq!(mesh.points[4 * 48], [center[0] + outer * 0.3f64.cos(), center[1] + outer * 0.3f64.sin(), 0.0]);
@@ -295,7 +295,7 @@ mod tests {
         let (inner, outer, turn, cells) = (0.5, 1.5, 2.0, [3, 16]);
         let mesh = arc([inner, outer], [0.3, 0.3 + turn], cells, [1.0, -1.0], [2.0, 1.0]).unwrap();
         assert_eq!(names(&mesh), ["inner", "outer", "start", "end"]);
-        // triangles between the spokes of the two circles
+        // The mesh consists of the triangles between spokes of the outer circle minus those of the inner circle.
         let area = 16.0 / 2.0 * (turn / 16.0).sin() * (outer * outer - inner * inner);
         assert!((mesh.measure() - area).abs() < ROUND_OFF);
         let length = |name: &str| mesh.boundary_measure(mesh.boundary(name).unwrap());

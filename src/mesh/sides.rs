@@ -6,7 +6,7 @@ use super::check::{between, cross, dot, norm};
 use super::{Boundary, Facet, Mesh, MeshError};
 
 impl Mesh {
-    /// Mesh with a further boundary of these facets.
+    /// Mesh with a further boundary that consists of the given facets.
     ///
     /// # Errors
     /// A boundary of that name exists.

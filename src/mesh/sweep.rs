@@ -62,7 +62,7 @@ impl Mesh {
         let kinds: Vec<(CellKind, usize)> = self.kinds().map(|kind| solid_kind(kind, keeps_prisms)).collect::<Result<_, _>>()?;
         limited(&[self.numbered_blocks().zip(&kinds).map(|((_, block), (_, per_cell))| block.count() * per_cell).sum(), layers])?;
         let count = self.points.len() as u32;
-        // Levels of nodes: two for each layer of cells with mid-side nodes.
+        // Number of node levels: two for each layer of cells with mid-side nodes.
         let steps = if self.is_quadratic() { 2 } else { 1 };
         let levels = steps * layers;
         let rows = if is_closed { levels } else { levels + 1 };
@@ -135,7 +135,7 @@ impl Mesh {
     /// Adds the boundaries of this mesh as sides of the swept solid, whose hull is given.
     fn sides_into(&self, solid: &mut Mesh, hull: &[Facet], rows: u32) {
         let count = self.points.len() as u32;
-        // facets of the solid by the nodes of the section below them, each once
+        // Facets of the solid, grouped by the nodes of the section below them.
         let mut sides: HashMap<Vec<u32>, Vec<Facet>> = HashMap::new();
         for &facet in hull {
             let mut on: Vec<u32> = solid.facet_nodes(facet).map(|node| node % count).collect();
@@ -192,7 +192,7 @@ fn tetrahedra(triangle: &[u32]) -> [[(usize, bool); 4]; 3] {
     let first = (0..3).min_by_key(|&k| triangle[k]).unwrap_or_default();
     let [a, b, c] = [0, 1, 2].map(|k| (first + k) % 3);
     let (below, above) = (|node: usize| (node, false), |node: usize| (node, true));
-    // counter-clockwise from the smallest node: the order of the other two determines the division of the side over them
+    // Counter-clockwise from the smallest node; the order of the other two determines the division of the side above their edge.
     if triangle[b] < triangle[c] {
         [[below(a), below(b), below(c), above(c)], [below(a), below(b), above(c), above(b)], [below(a), above(b), above(c), above(a)]]
     } else {

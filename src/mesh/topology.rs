@@ -38,7 +38,7 @@ pub fn flat_pieces(nodes: usize) -> &'static [&'static [usize]] {
     }
 }
 
-/// Flat pieces of a face with these nodes, as node numbers.
+/// Flat pieces of a face with the given nodes, as node numbers.
 pub fn pieces_of(face: &[u32]) -> Vec<Vec<u32>> {
     flat_pieces(face.len()).iter().map(|piece| piece.iter().map(|&k| face[k]).collect()).collect()
 }

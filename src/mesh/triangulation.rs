@@ -169,7 +169,7 @@ pub(super) struct Triangles {
 /// Triangulation with edges of about `factor` times the size.
 pub(super) fn triangulate<E: From<MeshError>>(rim: &Rim, size: &mut CellSize<E>, factor: f64) -> Result<Triangles, E> {
     if let CellSize::Even(even) = size {
-        // Estimate before memory is allocated.
+        // Estimate of the number of cells before memory is allocated.
         counted(rim.area() / (*even * *even))?;
     }
     let mut triangulation = constrained(rim)?;
@@ -186,7 +186,7 @@ pub(super) fn triangulate<E: From<MeshError>>(rim: &Rim, size: &mut CellSize<E>,
         size => fill(&mut triangulation, size, factor)?,
     }
     let outside: Faces = triangulation.refine(parameters).excluded_faces.into_iter().collect();
-    // refinement only adds vertices, so those of the rim stay at the beginning
+    // Refinement only adds vertices, so that those of the rim stay at the beginning.
     let vertices: Vec<[f64; 2]> = triangulation.vertices().map(|vertex| [vertex.position().x, vertex.position().y]).collect();
     let inside = triangulation.inner_faces().filter(|face| !outside.contains(&face.fix()));
     let triangles: Vec<[usize; 3]> = inside.map(|face| face.vertices().map(|vertex| vertex.fix().index())).collect();
@@ -247,7 +247,7 @@ fn fill<E: From<MeshError>>(triangulation: &mut Constrained, size: &mut CellSize
             cells += factor * factor * excess;
             if excess > LARGE {
                 let circle = face.circumcenter();
-                // if the circumcenter is outside, the centroid of the triangle is used
+                // If the circumcenter is outside of the region, the centroid of the triangle is used.
                 let is_inside = matches!(triangulation.locate(circle), PositionInTriangulation::OnFace(face) if !outside.contains(&face));
                 let at = if is_inside { circle } else { center };
                 wanted.push((excess, [at.x, at.y], [center.x, center.y]));

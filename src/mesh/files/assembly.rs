@@ -151,7 +151,7 @@ fn cells(kinds: &[CellKind], tables: &Tables, numbering: &Numbering) -> Result<(
     let (mut origins, mut turned) = (Vec::<Origin>::new(), HashSet::new());
     let mut parts: BTreeMap<u64, Vec<u32>> = BTreeMap::new();
     let blocks = || kinds.iter().filter_map(|&kind| Some((kind, tables.elements.get(&Shape::Cell(kind))?)));
-    // MSH 2.2 repeats a cell for each of its physical groups
+    // MSH 2.2 lists a cell once for each of its physical groups.
     let mut known: HashMap<CellKey, u32> = HashMap::with_capacity(blocks().map(|(_, elements)| elements.numbers.len()).sum());
     let mut members: HashSet<(u64, u32)> = HashSet::new();
     let mut indices = Vec::new();

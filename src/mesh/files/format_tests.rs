@@ -217,7 +217,7 @@ fn sides_of_solid_cells_have_the_order_of_the_format() {
         writeln!(text, "*SURFACE, NAME=side{side}\n1, S{side}").unwrap();
     }
     let read = read_mesh_bytes(text.as_bytes()).unwrap();
-    // S1 and S2 are the faces of the first and last four nodes, S3 to S6 follow in order from the one of nodes 1, 5, 6, 2
+    // S1 and S2 are the faces of the first and last four nodes, S3 to S6 follow in order from the face of the nodes 1, 5, 6, 2.
     for (side, place) in (1..).zip(["back", "front", "bottom", "right", "top", "left"]) {
         assert_eq!(read.boundary(&format!("side{side}")).unwrap().facets, mesh.boundary(place).unwrap().facets, "S{side}");
     }
@@ -225,7 +225,7 @@ fn sides_of_solid_cells_have_the_order_of_the_format() {
 
 #[test]
 fn solid_files_have_their_surfaces_sets_and_parts_in_place() {
-    // two tetrahedra on both sides of the triangle 1, 2, 3
+    // Two tetrahedra on both sides of the triangle 1, 2, 3.
     let tetrahedra = "*NODE\n1, 0, 0, 0\n2, 1, 0, 0\n3, 0, 1, 0\n4, 0, 0, 1\n5, 0, 0, -1\n9, 7, 7, 7\n*ELEMENT, TYPE=C3D4, ELSET=above\n\
          10, 1, 2, 3, 4\n*ELEMENT, TYPE=C3D4, ELSET=below\n20, 1, 3, 2, 5\n*SURFACE, NAME=s1\n10, S1\n*SURFACE, NAME=s2\n10, S2\n\
          *SURFACE, NAME=s3\n10, S3\n*SURFACE, NAME=s4\n10, S4\n*SURFACE, NAME=lower\nbelow, S3\nbelow, S2\n*SURFACE, NAME=skin\n\
@@ -329,7 +329,7 @@ fn what_is_wrong_with_an_input_file_is_said_with_its_line() {
     let nodes_only = "*NODE\n1, 0., 0.\n";
     let error = read_mesh_bytes(nodes_only.as_bytes()).unwrap_err();
     assert_eq!(error, FileError { at: Place::Line(2), problem: MissingSection { section: "*ELEMENT" } }.into());
-    // a set that contains itself has its other members, and a range takes no memory
+    // A set that contains itself has its other members only, and a range takes no memory for its numbers.
     let text = SQUARES.replace("left, RIGHT", "left, again").replace("1, 3\n", "1, 18446744073709551615\n");
     assert_eq!(read_mesh_bytes(text.as_bytes()).unwrap().parts[3].1, [0]);
 }

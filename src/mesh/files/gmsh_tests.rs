@@ -218,7 +218,7 @@ fn a_solid_mesh_comes_back_as_it_was() {
 
 #[test]
 fn tetrahedra_have_their_physical_surfaces_of_triangles() {
-    // a cube of five tetrahedra, its sides at x = 0 and z = 1 as physical surfaces, one tetrahedron as a volume of its own
+    // Cube of five tetrahedra, with its sides at x = 0 and z = 1 as physical surfaces, and one tetrahedron as a separate volume.
     let text = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n4\n2 1 \"wall\"\n2 2 \"roof\"\n\
          3 3 \"rest\"\n3 4 \"core\"\n$EndPhysicalNames\n$Nodes\n8\n1 0 0 0\n2 1 0 0\n3 1 1 0\n\
          4 0 1 0\n5 0 0 1\n6 1 0 1\n7 1 1 1\n8 0 1 1\n$EndNodes\n$Elements\n9\n\
@@ -235,7 +235,7 @@ fn tetrahedra_have_their_physical_surfaces_of_triangles() {
     let core = mesh.part("core").unwrap();
     assert!((core.measure() - 1.0 / 3.0).abs() < 1e-15 && core.boundaries.is_empty());
     assert_eq!(mesh.part("rest").unwrap().cell_count(), 4);
-    // the normal of a facet follows from its cell, independent of the order of the triangle in the file
+    // The normal of a facet follows from its cell, independent of the node order of the triangle in the file.
     for facet in &mesh.boundary("roof").unwrap().facets {
         let [a, b, c] = <[u32; 3]>::try_from(mesh.facet_nodes(*facet).collect::<Vec<_>>()).unwrap().map(|node| mesh.points[node as usize]);
         assert!((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]) > 0.0);
@@ -389,7 +389,7 @@ fn clockwise_cells_are_reversed_and_crossed_ones_are_an_error_with_place_and_cur
     let one = refusal(SQUARES_2, "2 3 16 15", "2 3 15 16");
     assert_eq!((one.line(), one.hint().starts_with("mend the mesh there")), (Some(28), true));
     assert!(one.to_string().starts_with("cell 7 at (1.5, 0.5) is inside out: its Jacobian determinant is -"), "{one}");
-    // all four nodes on the line x = 1
+    // A cell whose four nodes all lie on the line x = 1.
     let flat = refusal(&SQUARES_2.replace("3 2 0 0", "3 1 0.3 0"), "16 2 1 0", "16 1 0.6 0");
     assert!(matches!(flat, MeshError::DegenerateCell { at: Some(Place::Line(28)), cell: 7, .. }), "{flat:?}");
 }

@@ -128,7 +128,7 @@ fn each_card(text: &str, mut take: impl FnMut(Card) -> Result<(), MeshError>) ->
         if name.is_empty() || name.starts_with(['+', '*']) {
             last.iter_mut().for_each(|card| card.fields.extend_from_slice(&fields));
         } else {
-            // `BEGIN BULK` and lines before it are ignored as unknown cards
+            // `BEGIN BULK` and the lines before it are ignored like unknown cards.
             let card = Card { name: name.trim_end_matches('*').trim().into(), fields, at: Place::Line(number) };
             last.replace(card).map_or(Ok(()), &mut take)?;
         }

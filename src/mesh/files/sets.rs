@@ -52,7 +52,7 @@ pub(super) fn attach_surfaces(
             let Some(local) = facet_of_side(written, side) else {
                 return fail(FileProblem::UnknownSide { name: surface.name.clone(), side: format!("S{side}"), kind: written.name() });
             };
-            // a side that has become an edge or a point has no area
+            // A side that has collapsed to an edge or a point has no area and is left out.
             let Some(local) = collapse.map_or(Some(local), |collapse| collapse.facets[usize::from(local)]) else { continue };
             // A reversed plane cell has its sides in the opposite order.
             let last = kind.facets().len() as u8 - 1;

@@ -102,11 +102,11 @@ pub(super) struct Tables {
     pub node_sets: Vec<NodeSet>,
     /// Start of the elements.
     pub elements_begin: Option<Place>,
-    /// Elements with a shape that are no cells, such as shells, by their numbers.
+    /// Structural elements: elements with a shape that are no cells, such as shells, by their numbers.
     pub structural: HashSet<u64>,
-    /// Name of the type of these elements by shape, and its place.
+    /// For each shape of structural elements, the name of a type and its place.
     pub structural_types: BTreeMap<Shape, (String, Place)>,
-    /// True if lines among these elements are beams.
+    /// True if lines among the structural elements are beams.
     pub has_beams: bool,
     /// Left-out elements without a shape: for each type, their count and the place of the first.
     pub left_out: BTreeMap<String, (usize, Place)>,
@@ -228,6 +228,9 @@ impl Tables {
 
     /// Converts cells with repeated nodes to the smaller kind that they represent; returns a note with their counts. Structural elements
     /// without extent are left out.
+    ///
+    /// # Errors
+    /// A cell with repeated nodes that does not represent a smaller kind.
     pub fn collapse(&mut self) -> Result<Option<FileNote>, MeshError> {
         let mut known: HashMap<(CellKind, Vec<usize>), Option<Collapse>> = HashMap::new();
         let mut counts: BTreeMap<(CellKind, CellKind), usize> = BTreeMap::new();
@@ -266,7 +269,7 @@ impl Tables {
         Ok(first.map(|first| FileNote::Collapsed { counts, first: self.written_element(first) }))
     }
 
-    /// Keeps the cells of a part, and the elements and sides of boundaries on them.
+    /// Keeps the cells of one part only, with the elements and sides of boundaries on these cells.
     ///
     /// # Errors
     /// No cell is in a part of that name.
@@ -320,7 +323,7 @@ impl Tables {
         }
     }
 
-    /// Counts elements of a shape that are left out, the first of them at a place.
+    /// Counts left-out elements of a shape; `at` is the place of the first.
     pub fn leave_out(&mut self, shape: Shape, count: usize, at: Place) {
         let name = self.structural_types.get(&shape).map_or_else(|| "line".into(), |(name, _)| name.clone());
         self.left_out.entry(name).or_insert((0, at)).0 += count;

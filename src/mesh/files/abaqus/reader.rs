@@ -127,7 +127,7 @@ fn read_lines(content: &[u8]) -> Result<Contents, MeshError> {
     reader.close(open)?;
     let Reader { mut contents, parts, .. } = reader;
     if contents.scopes.len() == 1 {
-        // parts of a file without an assembly are used directly
+        // In a file without an assembly, parts are used directly.
         contents.scopes.extend(parts);
     }
     let has = |what: fn(&Scope) -> bool| contents.scopes.iter().any(what);
@@ -222,7 +222,7 @@ impl Reader {
                         Open::Surface { surface: surfaces.len() - 1 }
                     }
                     Some("NODE") => Open::NodeSurface { set: self.scope().node_sets.open(&name, &keyword) },
-                    // analytical surfaces are not part of the mesh
+                    // Analytical surfaces are not part of the mesh.
                     Some(_) => Open::Other,
                 }
             }

@@ -86,7 +86,7 @@ fn shape_of(name: &str) -> Option<(Shape, Family)> {
         return None;
     }
     let nodes: usize = match (kind, count) {
-        // the second digit of the name of a beam is its number of nodes minus one
+        // The second digit of a beam type is its number of nodes minus one.
         (Family::Beam, "1") => 2,
         (Family::Beam, "2") => 3,
         (Family::Beam, _) => return None,

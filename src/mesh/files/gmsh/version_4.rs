@@ -62,12 +62,12 @@ fn read_entities_of(source: &mut Source, mut section: Section, entities: &mut En
             }
             let mut groups = Vec::new();
             for _ in 0..entry.size(EXPECTED)? {
-                // a negative number means reversed; orientation follows from the cells here
+                // A negative group number means reversed orientation; here orientation follows from the cells.
                 groups.push(entry.int(EXPECTED)?.unsigned_abs());
             }
             groups.sort_unstable();
             groups.dedup();
-            // bounding entities at the end of the line are not needed
+            // Bounding entities at the end of the line are not needed.
             if is_binary && dimension > 0 {
                 for _ in 0..entry.size(EXPECTED)? {
                     entry.int(EXPECTED)?;

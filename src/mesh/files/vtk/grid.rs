@@ -72,7 +72,7 @@ impl Content {
             let list = self.tables.groups_index(list);
             let nodes: Vec<u64> =
                 nodes.iter().map(|&node| u64::try_from(node).map_or(u64::MAX, |node| node.saturating_add(first))).collect();
-            // a cell of type 0 is empty
+            // Cells of type 0 are empty and are skipped.
             if vtk_type != 0 {
                 self.add_cell(self.cells + cell as u64, vtk_type, &nodes, list, piece.at[1])?;
             }
@@ -103,7 +103,7 @@ impl Content {
     fn add_cell(&mut self, number: u64, vtk_type: i64, nodes: &[u64], groups: u32, at: Place) -> Result<(), MeshError> {
         let row_of = |vtk_type: i64| CellKind::ALL.iter().copied().find(|kind| i64::from(kind.row().vtk_type) == vtk_type);
         let cell = |kind| Some((Shape::Cell(kind), &[][..]));
-        // polygons of three and four nodes, pixels and voxels, cells with nodes in their faces
+        // Polygons of three and four nodes, pixels, voxels, and cells with nodes in their faces are converted to supported kinds.
         let known: Option<(Shape, &[u8])> = match (vtk_type, nodes.len()) {
             (1, _) => Some((Shape::Point, &[])),
             (3 | 4, 2) => Some((Shape::Line(2), &[])),
