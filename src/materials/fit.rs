@@ -136,7 +136,7 @@ struct Problem<'a> {
 }
 
 impl Problem<'_> {
-    /// Stresses of the law with these constants at all points.
+    /// Stresses of the law with the given constants at all measured points.
     fn law(&self, constants: &[f64]) -> Result<DVector<f64>, EnergyError> {
         let law = (self.energy)(constants)?.in_space()?;
         let stresses = self.measured.iter().flat_map(|test| test.points.iter().map(|point| (test.piece, point[0])));

@@ -42,7 +42,7 @@ pub enum MaterialError {
         /// Number of given constants.
         given: usize,
     },
-    /// Stored energy that is invalid with these constants.
+    /// Stored energy that is invalid with the given constants.
     #[error(transparent)]
     Energy(#[from] EnergyError),
     /// Invalid constants of plasticity.

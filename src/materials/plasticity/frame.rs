@@ -159,8 +159,8 @@ impl<const FMA: bool, const S: usize> PlasticPoint<FMA, S> {
         w
     }
 
-    /// The frame after a step: `P G` with the symmetric `G` of `G Ch G = exp(2 elastic)`, where `Ch` has these stretches and the elastic
-    /// strain is along its directions.
+    /// Frame after a step: `P G` with the symmetric `G` of `G Ch G = exp(2 elastic)`. `Ch` has the given stretches; the elastic strain
+    /// `elastic` has the same principal directions.
     #[inline(always)]
     pub(super) fn moved_frame(&self, stretches: &Stretches<FMA>, elastic: &[Lanes<FMA>; S]) -> Matrix<FMA> {
         let mut root = [Lanes::ZERO; 3];
