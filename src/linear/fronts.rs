@@ -79,7 +79,7 @@ pub(super) struct OffDiagonalBlock {
 /// Unknowns of an update that are contiguous in the parent's front.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Run {
-    /// Place of the first unknown in the update.
+    /// Position of the run's first unknown in the child's update matrix.
     pub(super) source: u32,
     /// Position of the first unknown among the pivots or the non-pivot unknowns of the parent front.
     pub(super) target: u32,

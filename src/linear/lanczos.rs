@@ -106,6 +106,9 @@ impl Lanczos {
     }
 
     /// Adds a pseudorandom start vector, after one application of the operator.
+    ///
+    /// # Errors
+    /// Error of the operator.
     pub fn begin<O: Operator>(&mut self, operator: &mut O) -> Result<(), O::Error> {
         let any: Vec<f64> = (0..self.unknowns).map(|_| self.next_random()).collect();
         let image = operator.solve(operator.image(&any))?;

@@ -87,9 +87,9 @@ impl Graph {
         Some(order.into_iter().map(|v| v as u32).collect())
     }
 
-    /// Nested dissection into small parts with minimum degree in these; `None` after an interrupt.
+    /// Nested dissection into small parts, each ordered by minimum degree; `None` after an interrupt.
     ///
-    /// The crate cannot be stopped, so a long dissection runs on a thread of its own, which is abandoned after an interrupt.
+    /// The crate cannot be stopped, so a long dissection runs on a separate thread, which is abandoned after an interrupt.
     fn watched_dissection(self: Arc<Self>, options: &MetisOptions, watch: &InterruptWatch) -> Option<Vec<u32>> {
         if watch.interrupt.is_none() || self.neighbors.len() < LONG {
             return self.dissection(options);

@@ -169,7 +169,7 @@ impl Pattern {
         self
     }
 
-    /// Returns the pattern of these vertices with other couplings; blocks of common couplings keep their positions among the values.
+    /// Returns a pattern of the same vertices with the given couplings; blocks of common couplings keep their positions among the values.
     ///
     /// Blocks of dropped couplings have no position any more; couplings that this pattern lacks get [`NO_PLACE`].
     pub(super) fn restricted(&self, couplings: &Couplings) -> Self {

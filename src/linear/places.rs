@@ -6,7 +6,7 @@ use super::fronts::{Front, Numbering, OffDiagonalBlock, PivotBlock, Run};
 use super::pattern::{Block, Pattern};
 use super::tree::{NONE, Tree};
 
-/// Positions of matrix blocks and update matrices in the fronts; each front has ranges of these lists.
+/// Positions of matrix blocks and update matrices in the fronts: lists of which each front owns a range.
 #[derive(Debug, Default)]
 pub(super) struct Places {
     /// Non-pivot unknowns of all fronts, as positions in the order of elimination.
@@ -153,7 +153,7 @@ impl Finder<'_> {
     }
 }
 
-/// Non-pivot vertices of all fronts, those of each front in the order of elimination.
+/// Non-pivot vertices of all fronts; the vertices of each front are in the order of elimination.
 struct Updates {
     vertices: Vec<u32>,
     starts: Vec<u32>,

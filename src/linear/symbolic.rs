@@ -75,7 +75,7 @@ impl Symbolic {
         if workers.are_many() && !self.tasks.is_empty() { (&self.shared, workers.count()) } else { (&self.alone, 1) }
     }
 
-    /// Splits the tree into independent subtrees of comparable work and the fronts above them.
+    /// Splits the tree into independent subtrees (tasks) of comparable work; the fronts above them remain.
     fn find_tasks(&mut self) {
         if self.operations < WORTH_TASKS {
             return;

@@ -210,8 +210,8 @@ fn a_multiplier_whose_anchor_is_held_is_solved_all_the_same() {
     assert!(!factorization.has_fallen_back());
 }
 
-/// A saddle point some of whose multipliers have `huge` diagonal entries: scaled by their constraints, which are of order one, these rows
-/// have entries far above one.
+/// Saddle-point matrix in which some multipliers have `huge` diagonal entries. Their rows are scaled by the constraints, which are of order
+/// one, so that the scaled diagonal entries are far above one.
 fn badly_scaled(huge: f64) -> System {
     let mut system = tied::<3>(6, 3, 1, 0.05);
     for m in (system.nodes..system.pattern.vertices()).step_by(3) {
