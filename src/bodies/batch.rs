@@ -59,7 +59,7 @@ pub(super) struct Batch<const D: usize, const A: usize> {
 }
 
 impl<const D: usize, const A: usize> Batch<D, A> {
-    /// Batch of up to eight cells with these points; node numbers start at `first_node`.
+    /// Batch of up to eight cells with the node positions `points`; model node numbers start at `first_node`.
     pub(super) fn new(cells: &[&[u32]], points: &[[f64; 3]], first_node: usize) -> Self {
         let mut batch = Batch {
             nodes: [[0; WIDTH]; A],

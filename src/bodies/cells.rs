@@ -318,7 +318,7 @@ struct Assemble<'a, const D: usize, const S: usize, const L: usize, const A: usi
 }
 
 impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: usize> Kernel for Assemble<'_, D, S, L, A, Q> {
-    /// Index of the first batch with an inverted cell, as an error.
+    /// Fails with the index of the first batch that has an inverted cell.
     type Output = Result<(), usize>;
 
     #[inline(always)]

@@ -206,8 +206,8 @@ impl RigidMass {
         }
     }
 
-    /// Transfers part of the mass from the masters to nodes tied to them with these coefficients: energy and momenta are unchanged while
-    /// the ties hold, and the equations of the tied nodes get inertia.
+    /// Transfers part of the mass from the masters to the tied nodes, given with their coefficients of the masters: energy and momenta are
+    /// unchanged while the ties hold, and the equations of the tied nodes get inertia.
     pub fn tied_to<'a>(mut self, tied: impl ExactSizeIterator<Item = &'a (u32, Vec<f64>)>) -> Self {
         let total: f64 = self.masses.iter().flatten().sum();
         let part = TIED_PART * total / tied.len() as f64;
