@@ -43,7 +43,7 @@ pub struct Measure {
 }
 
 impl Chain {
-    /// Chain of these facets in node indices of the contact element (the point is node 0).
+    /// Chain of the given facets, in node indices of the contact element (the point is node 0).
     pub fn new(facets: Vec<[u32; 2]>) -> Self {
         let find = |side: usize, node: u32| {
             let found = facets.iter().position(|facet| facet[side] == node);
@@ -431,7 +431,8 @@ mod tests {
     #[test]
     fn at_a_corner_the_body_is_an_intersection_or_a_union() {
         let quarter = std::f64::consts::FRAC_PI_2;
-        // Convex: body x > 0, y < 0. Outside on the bisector, both normal distances are 0.1; left of it that of the left face counts.
+        // Convex corner, body x > 0, y < 0. For points outside on the bisector both normal distances are 0.1; to its left the distance from
+        // the left side counts.
         assert!((gap(quarter, [-0.1, 0.1]) - 0.1).abs() < 1e-16);
         assert!((gap(quarter, [-0.1, 0.02]) - 0.1).abs() < 1e-16);
         assert!((gap(quarter, [0.2, -0.1]) + 0.1).abs() < 1e-16);

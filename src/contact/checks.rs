@@ -84,13 +84,13 @@ pub enum Finding {
         /// Mean facet length of the primary surface `[length]`.
         primary_size: f64,
     },
-    /// Polygons on matching curves whose interference is much smaller than the sagitta of their facets.
+    /// Polygons on matching curves whose interference is much smaller than the sagitta of their facets, so that their corners interlock.
     Interlocking {
         /// Name of the secondary surface.
         secondary: String,
         /// Name of the primary surface.
         primary: String,
-        /// Interference and sagitta.
+        /// Interference of the curves, and sagitta of the facets.
         of: PolygonFit,
     },
     /// Polygons on matching curves whose interference differs much from that of the curves.
@@ -99,7 +99,7 @@ pub enum Finding {
         secondary: String,
         /// Name of the primary surface.
         primary: String,
-        /// Interference, and the part lost by the polygons.
+        /// Interference of the curves, and the part that facets lose.
         of: PolygonFit,
     },
     /// Facets in space with bend angles too large for height profiles, of curves in a press fit.

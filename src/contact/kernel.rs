@@ -233,7 +233,7 @@ pub trait CandidateSearch: PatchFunctions {
     }
 }
 
-/// Rigid obstacle of a pair; pairs of two surfaces use the defaults.
+/// Operations of a pair whose other side is a rigid obstacle; pairs of two surfaces use the default implementations.
 pub trait RigidObstacle {
     /// Sets the translations of the obstacle at the start, in the middle and at the end of the step `[length]`.
     fn move_obstacle(&mut self, _translations: &[[f64; 3]; 3]) {}

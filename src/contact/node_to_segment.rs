@@ -81,7 +81,7 @@ enum Corners {
     /// Nodes at bends of either side.
     Bends {
         bends: Bends,
-        /// True if corners of the other side also have constraints of this kind.
+        /// True if corners of the primary side also have constraints against the secondary side.
         is_mutual: bool,
     },
     /// True for each secondary node that is a corner.
@@ -134,7 +134,7 @@ impl NodeToSegment {
         Self::between(sides, reference).with(Corners::Points(points))
     }
 
-    /// Restricts contact to these corners, with two constraints each.
+    /// Restricts contact to the given corners, with two constraints each.
     fn with(mut self, corners: Corners) -> Self {
         self.corners = Some(corners);
         self.sides.weights = self.sides.weights.iter().flat_map(|&weight| [weight; 2]).collect();
@@ -188,7 +188,7 @@ impl NodeToSegment {
         }
     }
 
-    /// Slack of the constraint of a point opposite these facets in this step, relative to that of a corner; `None` if the point has no
+    /// Slack of the constraint of a point opposite the given facets in this step, relative to that of a corner; `None` if the point has no
     /// constraint.
     fn slack_beside(&self, point: usize, facets: &[u32]) -> Option<f64> {
         match &self.corners {

@@ -18,7 +18,7 @@ const CURVE: f64 = 0.9;
 /// Largest difference of curvatures of matching surfaces, relative to the larger curvature.
 const FIT: f64 = 0.5;
 
-/// True if sides with these curvatures, positive for convex bodies, match.
+/// True if sides with the given curvatures, positive for convex bodies, match.
 pub(super) fn fit_each_other([a, b]: [f64; 2]) -> bool {
     (a + b).abs() <= FIT * a.abs().max(b.abs())
 }

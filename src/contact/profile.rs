@@ -222,7 +222,7 @@ mod tests {
         assert!((0..5).all(|k| (p.0[k] - q.0[k]).abs() < 1e-13), "{q:?}");
     }
 
-    /// Profiles of a chain through these points.
+    /// Profiles of a chain of facets through the given points.
     fn of_chain(points: &[[f64; 2]], is_closed: bool) -> Vec<Profile> {
         let count = points.len() as u32;
         let facets: Vec<[u32; 2]> = (0..if is_closed { count } else { count - 1 }).map(|k| [k, (k + 1) % count]).collect();

@@ -168,7 +168,7 @@ impl ProxySurfaces<'_> {
         self
     }
 
-    /// Transforms a contact method for these facets to the nodes of the model.
+    /// Transforms a contact method for the facets between points to the nodes of the model.
     pub fn on_nodes(self, mut kernel: Box<dyn ContactKernel>) -> Box<dyn ContactKernel> {
         if !self.profiles[0].is_empty() {
             kernel.set_profiles(self.profiles);
@@ -216,7 +216,7 @@ struct Edge {
 }
 
 impl Edge {
-    /// Edge that is opposite edges with facets of the given length between nodes `[length]`.
+    /// Edge in the reference positions, with its number of facets chosen for opposite facets of the given length `[length]`.
     fn new([middle, from, to]: [u32; 3], reference: &[f64], length: f64) -> Self {
         let [m, a, b] = [middle, from, to].map(|node| [reference[2 * node as usize], reference[2 * node as usize + 1]]);
         let chord = [b[0] - a[0], b[1] - a[1]];
@@ -270,7 +270,7 @@ impl Edge {
         [parabola[0] + circle[0] - h * (1.0 - 4.0 * square), parabola[1] + circle[1] + 8.0 * h * x]
     }
 
-    /// Height profile of the curve over a facet with these end points `[length]`; `origin` is the first node of the edge.
+    /// Height profile of the curve over a facet with the given end points `[length]`; `origin` is the first node of the edge.
     fn profile_over(&self, origin: [f64; 2], facet: [[f64; 2]; 2]) -> Profile {
         let square = dot(self.chord, self.chord);
         // Coordinates along the chord from its middle, and outwards, in chord lengths.
@@ -457,7 +457,7 @@ mod tests {
         (sum, forces)
     }
 
-    /// Chain of edges through these nodes, alternately ends and mid-side nodes.
+    /// Chain of edges through the given number of nodes, alternately ends and mid-side nodes.
     fn chain(nodes: u32) -> (ProxyNodes, Vec<[u32; 2]>) {
         let edges = (0..nodes / 2).map(|k| [2 * k, (2 * k + 2) % nodes.next_multiple_of(2), 2 * k + 1]);
         (ProxyNodes::new(edges.clone()), edges.flat_map(|[a, b, m]| [[a, m], [m, b]]).collect())

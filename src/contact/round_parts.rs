@@ -84,7 +84,7 @@ pub fn round_parts(surface: &Surface, q: &[f64]) -> Vec<RoundPart> {
     parts
 }
 
-/// Round part with these inside nodes.
+/// Round part with the given inside nodes, center and radius.
 fn part(surface: &Surface, neighbors: &[Vec<usize>], inside: &[usize], (center, radius): Fit) -> RoundPart {
     let is_inside = |index: &usize| inside.binary_search(index).is_ok();
     let mut rim: Vec<usize> = inside.iter().flat_map(|&index| &neighbors[index]).copied().filter(|index| !is_inside(index)).collect();

@@ -36,7 +36,7 @@ pub struct HullPenetration {
 }
 
 impl Solid {
-    /// Hull with these facets, counter-clockwise as seen from outside, in indices of nodes with positions `q`.
+    /// Hull with the given facets, counter-clockwise as seen from outside, in indices of nodes with positions `q`.
     pub fn new<'a>(facets: impl IntoIterator<Item = &'a [u32]>, q: Vec<f64>) -> Solid {
         let surface = Surface::in_space(facets);
         let mut turns = vec![0.0f64; surface.count()];

@@ -80,12 +80,12 @@ impl Sides {
 }
 
 impl Surface {
-    /// Plane surface of these facets (model node numbers, the body on the left).
+    /// Plane surface with the given facets (model node numbers, the body on the left).
     pub fn new(facets: &[[u32; 2]]) -> Self {
         Surface::of_facets(2, facets.iter().map(|facet| &facet[..]))
     }
 
-    /// Surface in space of these facets (model node numbers, counter-clockwise as seen from outside).
+    /// Surface in space with the given facets (model node numbers, counter-clockwise as seen from outside).
     pub fn in_space<'a>(facets: impl IntoIterator<Item = &'a [u32]>) -> Self {
         Surface::of_facets(3, facets)
     }

@@ -94,7 +94,7 @@ pub struct Duals {
 }
 
 impl Duals {
-    /// Dual functions of a surface for these reference positions; standard ones are active until a step begins.
+    /// Dual functions of a surface for the given reference positions; standard functions are active until a step begins.
     pub fn new(surface: &Surface, reference: &[f64]) -> Self {
         let of = |facet: usize| {
             let nodes: Vec<Vec3<f64>> = surface.facet(facet).iter().map(|&node| faces::at(node, reference).into()).collect();

@@ -36,7 +36,7 @@ impl Interior {
         Interior { middle: corners.iter().sum::<f64>() / 4.0 + 0.5 * sum, spokes: [0, 1, 2, 3].map(spoke) }
     }
 
-    /// Heights over a facet with these nodes and this unit normal.
+    /// Heights over a facet with the given nodes and unit normal.
     pub fn of_facet(nodes: &[Vector; 4], normal: Vector, corners: &[f64; 4], sagittas: &[f64; 4]) -> Self {
         let mut interior = Self::of_sides(corners, sagittas);
         let along = |signs: [f64; 4]| (0..4).map(|k| nodes[k] * (0.25 * signs[k])).sum::<Vector>();

@@ -310,7 +310,7 @@ impl PatchFunctions for MortarInSpace {
 }
 
 impl Scratch {
-    /// Evaluates these pairs.
+    /// Evaluates a range of pairs.
     fn evaluate_all(&mut self, kernel: &MortarInSpace, pairs: std::ops::Range<usize>, asked: Asked) {
         self.live.clear();
         [&mut self.gradient_end, &mut self.gradient_bar, &mut self.tangent].into_iter().for_each(Vec::clear);

@@ -94,7 +94,7 @@ pub struct EdgeOwner<T> {
     share: Option<T>,
 }
 
-/// Outward normal of an edge with the edge's length.
+/// Outward normal of an edge; its length is that of the edge.
 #[inline(always)]
 fn outward<T: Number>([a, b]: [&Vertex<T>; 2]) -> [T; 2] {
     [b.p[1] - a.p[1], a.p[0] - b.p[0]]

@@ -257,8 +257,8 @@ impl<'a> Facets<'a> {
         facets
     }
 
-    /// Facets around a node that continue a facet smoothly, including itself: connected to it by edges along which facets turn by at most
-    /// the largest angle of a curve. Across a node where three facets meet, facets of a sphere turn by up to 1.4 times that.
+    /// Facets around a node that continue a facet smoothly, including the facet itself: connected to it by edges along which facets turn by
+    /// at most the largest angle of a curve. Across a node where three facets meet, facets of a sphere turn by up to 1.4 times that.
     fn connected(&self, facet: usize, node: usize) -> Vec<usize> {
         let own = self.surface.nodes()[node];
         let widest = (SQRT_2 * self.smooth.acos()).cos();

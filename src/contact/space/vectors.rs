@@ -56,7 +56,7 @@ pub struct Frame<T> {
 }
 
 impl<T: Number> Frame<T> {
-    /// Frame of a facet with these nodes; `None` for a facet without area.
+    /// Frame of a facet with the given nodes; `None` for a facet without area.
     #[inline(always)]
     pub fn new(x: &[Vec3<T>]) -> Option<Self> {
         let diagonals = diagonals(x);
@@ -74,7 +74,7 @@ impl<T: Number> Frame<T> {
     }
 }
 
-/// Unknowns `z`, three per node, as numbers with derivatives with respect to [`LANES`] of them, from `first` on.
+/// Unknowns `z`, three per node, as numbers that carry derivatives with respect to [`LANES`] of the unknowns, from `first` on.
 #[inline(always)]
 pub fn jets(z: &[f64], first: usize) -> Vec<Vec3<Jet>> {
     let jet = |k: usize| Jet::unknown(z[k], k.checked_sub(first));
