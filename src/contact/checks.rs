@@ -242,7 +242,8 @@ impl Finding {
         }
     }
 
-    /// True for surfaces that face each other but with the primary one behind the secondary one.
+    /// True for a cosine between the normals that is negative: the surfaces face each other, but the primary one lies behind the secondary
+    /// one, on the side of its body.
     pub fn is_behind(&self) -> bool {
         matches!(self, Finding::FacingAway { cosine, .. } if *cosine < 0.0)
     }

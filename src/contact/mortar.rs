@@ -47,8 +47,9 @@ pub static DUAL_MORTAR: ContactMethod = ContactMethod {
 /// zeros.
 const SPARE: f64 = 2.0;
 
-/// Number of unknowns of a pair; the next constant: entries of its gradient block.
+/// Number of displacement unknowns of a facet pair: two facets of two nodes with two components each.
 const UNKNOWNS: usize = 8;
+/// Number of entries in the gradient block of a facet pair: gaps of two secondary nodes by the displacement unknowns.
 const GRADIENTS: usize = 2 * UNKNOWNS;
 
 /// Mortar contact of two surfaces in the plane.

@@ -386,7 +386,7 @@ where
     }
 }
 
-/// Slips, which differ between plane and space.
+/// Evaluation of the tangential slips, implemented separately for plane and space.
 pub(super) trait Slips {
     /// Writes the slips of a step to `out`, as [`PatchFunctions::evaluate_slips`].
     fn slips(&self, step: SlipStep, lambda: &[f64], out: &mut Evaluation);

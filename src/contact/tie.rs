@@ -70,7 +70,7 @@ impl Tie {
         Tie::of(sides, pairs)
     }
 
-    /// Tie of these surfaces by the given facet pairs.
+    /// Tie of the two surfaces `sides` by the given facet pairs.
     pub(super) fn of(mut sides: Sides, pairs: Vec<TiedPair>) -> Self {
         let (nodal, rows) = (&sides.weights, sides.secondary.dimension());
         let mut covered = vec![0.0; nodal.len()];

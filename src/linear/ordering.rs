@@ -218,8 +218,8 @@ impl Order {
 
 const NONE: u32 = u32::MAX;
 
-/// Returns the order of elimination: every multiplier that precedes its anchor moves behind it, or behind all its neighbors without an
-/// anchor.
+/// Returns the order of elimination: every multiplier that precedes its anchor moves behind the anchor, and a multiplier
+/// without an anchor behind the last of its neighbors that are no multipliers.
 pub(super) fn anchored(pattern: &Pattern, order: &[u32]) -> Vec<u32> {
     let count = pattern.vertices();
     let mut place = vec![0u32; count];

@@ -143,7 +143,7 @@ impl Profile {
         if count == 3 { self.forms[0][k] } else { self.forms[k][0] }
     }
 
-    /// Height over the triangle of that index.
+    /// Height as a function on triangle number `triangle` of the facet.
     #[inline(always)]
     pub fn form(&self, triangle: usize) -> &Form {
         &self.forms[triangle]

@@ -22,7 +22,7 @@ pub(super) struct Collapse {
     pub facets: Vec<Option<u8>>,
 }
 
-/// Place of the first node that is equal, for each node.
+/// For each entry of a cell's node list, the position of the first entry with the same node number.
 pub(super) fn first_places(nodes: &[u64]) -> Vec<usize> {
     nodes.iter().map(|node| nodes.iter().position(|other| other == node).unwrap_or_default()).collect()
 }

@@ -136,7 +136,7 @@ fn each_card(text: &str, mut take: impl FnMut(Card) -> Result<(), MeshError>) ->
     last.map_or(Ok(()), take)
 }
 
-/// The content of a file.
+/// Reads the tables of nodes, cells and constrained node sets from the content of a Nastran bulk data file.
 pub(super) fn read(content: &[u8]) -> Result<Tables, MeshError> {
     let (mut tables, mut held) = (Tables::default(), BTreeMap::new());
     each_card(utf8(content)?, |card| match card.name.as_str() {

@@ -84,7 +84,7 @@ pub(super) struct NodeSet {
     pub nodes: Vec<u64>,
 }
 
-/// The content of a file, not yet connected.
+/// Nodes, elements, groups and sets as read from a mesh file, by their numbers in the file, before a mesh is built from them.
 #[derive(Clone, Default)]
 pub(super) struct Tables {
     /// True if places are byte offsets, not lines.

@@ -63,7 +63,7 @@ pub(super) fn begins(content: &[u8]) -> bool {
     lines.next() == Some(MARK.as_bytes())
 }
 
-/// The content of a file.
+/// Reads the tables of nodes, cells and groups from the content of a universal file.
 pub(super) fn read(content: &[u8]) -> Result<Tables, MeshError> {
     let mut file = File { lines: utf8(content)?.lines().collect(), at: 0, dataset: String::new() };
     let (mut tables, mut elements, mut groups) = (Tables::default(), Vec::new(), Groups::default());

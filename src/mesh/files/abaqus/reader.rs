@@ -91,7 +91,7 @@ struct Reader {
     current: Current,
 }
 
-/// Contents of an input file.
+/// Reads the blocks of an Abaqus input file and of the files it includes.
 pub(super) fn read(content: &[u8], includes: Includes) -> Result<Contents, MeshError> {
     let text = Text::new(content, includes)?;
     match read_lines(&text.content) {

@@ -26,7 +26,7 @@ pub(super) struct GridPiece {
     pub at: [Place; 2],
 }
 
-/// Content of a file.
+/// Nodes, cells and group numbers read from a VTK file, with the names of ignored arrays.
 pub(in crate::mesh::files) struct Content {
     pub tables: Tables,
     /// Names of arrays that were left out.

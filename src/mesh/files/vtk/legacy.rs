@@ -6,7 +6,7 @@ use crate::mesh::MeshError;
 use crate::mesh::file_error::{FileError, FileProblem, Place};
 use crate::mesh::files::words::malformed;
 
-/// The content of a file.
+/// Reads the content of a VTK file in the legacy format.
 pub(in crate::mesh::files) fn read(bytes: &[u8]) -> Result<Content, MeshError> {
     let mut file = File { bytes, at: 0, is_binary: false };
     // Skips the line of the version and the title.
