@@ -27,7 +27,7 @@ pub trait Elements<const D: usize> {
 struct Chosen<'a, const D: usize> {
     body: &'a BodyCells<'a>,
     loops: Vec<Box<dyn ElementLoop<D>>>,
-    /// Spans of node numbers of the blocks so far, to whose sums later blocks add.
+    /// Node number ranges of the blocks processed so far; sums over these nodes already have contributions, to which later blocks add.
     touched: Vec<Range<usize>>,
 }
 

@@ -24,7 +24,7 @@ pub(super) struct Run {
     pub(super) cells: Range<usize>,
     /// Smallest range of node numbers that has all nodes of the run.
     pub(super) nodes: Range<usize>,
-    /// Ranges of node numbers in the span without contributions of earlier rounds, where sums begin with this run.
+    /// Ranges within `nodes` to which no earlier round contributes, so that this run assigns the sums there and does not add to them.
     pub(super) fresh: Vec<Range<usize>>,
 }
 

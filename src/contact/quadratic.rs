@@ -184,9 +184,9 @@ impl ProxySurfaces<'_> {
     }
 }
 
-/// Points on edges of second order.
+/// Points that divide second-order edges into straight facets, as linear combinations of the nodes.
 struct Curves {
-    /// Points as combinations of nodes.
+    /// Coefficients of the nodes in each point.
     points: Combinations,
     /// Point of each node.
     nodes: BTreeMap<u32, u32>,

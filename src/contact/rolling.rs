@@ -46,7 +46,7 @@ struct Roller {
     part: RoundPart,
     /// Model node numbers of the masters, with their coefficients in the center.
     masters: Vec<(u32, f64)>,
-    /// Coefficients of the masters in the axis of a rim.
+    /// Coefficients of the axis vector of a rim as a linear combination of the masters' positions; `None` without an axis.
     axis: Option<Vec<f64>>,
 }
 

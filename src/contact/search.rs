@@ -46,7 +46,7 @@ pub struct Candidates {
 const BODY_REACH: f64 = 8.0;
 
 /// Ratio of the list's margin to the required one, spare included, above which the list is replaced. Otherwise the list would stay long
-/// after one fast step or after `settle`, and each unneeded pair adds entries to the matrix.
+/// after one fast step or after a damped relaxation to equilibrium, and each unneeded pair adds entries to the matrix.
 const EXCESSIVE: f64 = 1.5;
 
 impl Candidates {

@@ -3,7 +3,7 @@
 //! `N = L (2 L - 1)` at the corners, `4 L_a L_b` at the middles, in area coordinates (Hughes, The Finite Element Method, 2000, section
 //! 3.I). Three points of degree two (Strang and Fix 1973) are exact for the stiffness of straight cells. The mass matrix has the exact
 //! integrals, relative to the area: 1/30 for a corner with itself, -1/180 for two corners, -1/45 for a corner and the middle of the
-//! opposite edge, 0 of an edge that ends there, 8/45 for a middle with itself, 4/45 for two middles.
+//! opposite edge, 0 for a corner and the middle of an edge that ends there, 8/45 for a middle with itself, 4/45 for two middles.
 
 use super::reference_cell::{CellRow, CellShape, ReferenceCell, gradients, quadrature, shape};
 

@@ -44,8 +44,8 @@ pub const ON_THE_WAY: f64 = 1e-8;
 /// Round-off floor of the force residual, relative to stiffness times size: a body at rest must converge, too.
 pub const FORCE_FLOOR: f64 = 1e-14;
 
-/// Unbalanced force at rest that `settle` accepts, for a connected component relative to the sum of the forces on it, for a node relative
-/// to the largest of these forces: ten times below the required 1e-10.
+/// Unbalanced force that `settle` (damped motion to an equilibrium) accepts at rest, for a connected component relative to the sum of the
+/// forces on it, for a node relative to the largest of these forces: ten times below the required 1e-10.
 pub const BALANCE: f64 = 1e-11;
 
 /// Relative difference of the accelerations of two bodies below which they count as equal (free fall): round-off of sums over many nodes.
@@ -81,8 +81,8 @@ pub const MODE_FLOOR: f64 = 1e-14;
 /// Fraction of the load increment for difference quotients: most loads are linear, and smaller fractions amplify round-off.
 pub const LOAD_DIFFERENCE: f64 = 1e-3;
 
-/// Residual of an equilibrium on a load path, relative to the largest force: a tenth of the tolerance of `settle`. A correction below this
-/// fraction of the displacements is negligible.
+/// Residual of an equilibrium on a load path, relative to the largest force: a tenth of the tolerance `BALANCE` of a damped relaxation. A
+/// correction below this fraction of the displacements is negligible.
 pub const PATH: f64 = 1e-12;
 
 /// Relative residual at which an equilibrium on a load path is accepted if corrections no longer halve it: round-off of stiff cells.
@@ -286,7 +286,7 @@ pub const FILTER: f64 = 1e-14;
 pub const OVERLOOKED: f64 = 1e-6;
 
 /// Uncovered fraction up to which a facet counts as fully covered. At the rims of a press fit the fraction varies with the gap; with a
-/// limit at round-off the shape functions would alternate between iterations of `settle`.
+/// limit at round-off the shape functions would alternate between steps of a damped relaxation to equilibrium.
 pub const WHOLE: f64 = 1e-4;
 
 /// Covered fraction of a secondary node's weight function below which the node is excluded: its constraint would be nearly singular.
@@ -370,18 +370,19 @@ pub const HELD_ROW: f64 = 1e-8;
 /// Part of the gap tolerance by which an inactive constraint must be violated on the frozen linearisation to become active.
 pub const CLEARLY: f64 = 1e-3;
 
-/// Residual of a damped step of `settle`, relative to the largest damping force of the step or to the imbalance that `settle` accepts. An
-/// energy criterion is no measure of the residual in models of rigid bodies: with it, five equilibria of a truss took 8 000 factorizations.
+/// Residual of a step of `settle` (damped motion to an equilibrium), relative to the largest damping force of the step or to the accepted
+/// imbalance. An energy criterion is no measure of the residual in models of rigid bodies: with it, five equilibria of a truss took 8 000
+/// factorizations.
 pub const REST_STEP: f64 = 1e-2;
 
-/// Least damping of a body in `settle` relative to the stiffness of its slowest elastic motion.
+/// Least damping of a body in a damped relaxation to equilibrium, relative to the stiffness of its slowest elastic motion.
 pub const LEAST_DAMPING: f64 = 1e-8;
 
-/// Least damping `d` of a rigid body in `settle`, in units of `F/(m L)` with its loads `F`, mass `m` and extent `L`. Round-off of the
-/// constraint forces then moves the body by 1e-14 of its size, and penetrations are inaccurate by a hundredth.
+/// Least damping `d` of a rigid body in a damped relaxation to equilibrium, in units of `F/(m L)` with its loads `F`, mass `m` and extent
+/// `L`. Round-off of the constraint forces then moves the body by 1e-14 of its size, and penetrations are inaccurate by a hundredth.
 pub const RIGID_DAMPING: f64 = 1e-2;
 
-/// Motion in a step of `settle`, in facets, below which the bodies count as standing.
+/// Displacement in a step of a damped relaxation, in facet lengths, below which the bodies count as being at rest.
 pub const STANDS: f64 = 1e-3;
 
 /// Resultant force, relative to the sum of the force magnitudes, that counts as balanced in a diagnosis: far above round-off.

@@ -75,9 +75,9 @@ pub enum FileProblem {
         section: String,
         /// Start of the section.
         begin: Place,
-        /// Entries read.
+        /// Number of entries read.
         found: usize,
-        /// Entries announced; equal to `found` when only the closing line is missing.
+        /// Number of entries announced in the file; equal to `found` when only the closing line is missing.
         announced: usize,
     },
     /// A section whose number of entries differs from the announced number.
@@ -85,9 +85,9 @@ pub enum FileProblem {
     Count {
         /// Name of the section.
         section: &'static str,
-        /// Entries announced.
+        /// Number of entries announced in the file.
         announced: usize,
-        /// Entries found so far.
+        /// Number of entries found so far.
         found: usize,
     },
     /// A required section that is missing.

@@ -23,12 +23,12 @@ pub(super) struct Sweep<'a> {
     pub prisms: Prisms,
 }
 
-/// Solid cells swept by triangles.
+/// Solid cells that arise from a triangular cell of the section in each layer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Prisms {
-    /// Three tetrahedra each.
+    /// Three tetrahedra.
     Cut,
-    /// Wedges.
+    /// One wedge.
     Kept,
 }
 

@@ -46,9 +46,9 @@ const ROUNDS: usize = 3;
 
 /// Surfaces as contact in space represents them: facets between nodes, or between points on faces of second order.
 pub struct ProxySurfacesInSpace<'a> {
-    /// Side with the constraints.
+    /// Secondary surface, whose points have the constraints.
     pub secondary: Surface,
-    /// Side without constraints.
+    /// Primary surface, without constraints.
     pub primary: Surface,
     /// Reference positions of the nodes or points between which facets lie `[length]`.
     pub reference: Cow<'a, [f64]>,

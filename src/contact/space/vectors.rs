@@ -50,8 +50,9 @@ pub fn diagonals<T: Number>(nodes: &[Vec3<T>]) -> [Vec3<T>; 2] {
 pub struct Frame<T> {
     /// Unit vectors.
     pub axes: [Vec3<T>; 3],
-    /// Diagonals, or two sides of a triangle, and length of their cross product.
+    /// Diagonals of a quadrilateral, or two sides of a triangle `[length]`.
     pub diagonals: [Vec3<T>; 2],
+    /// Length of the cross product of `diagonals`, twice the facet's area `[length^2]`.
     pub length: T,
 }
 

@@ -239,7 +239,7 @@ fn the_direct_solver_takes_over_where_the_iteration_does_not_converge() {
 
 #[test]
 fn unknowns_without_rigid_motions_belong_to_the_coarsest_level() {
-    // A block that springs from all nodes of its upper face couple to one additional unknown, like that of a rigid body.
+    // A block, with springs from all nodes of its upper face to one additional unknown, such as the displacement of a rigid body.
     let block = stack([8, 8, 8], CUBE, 0.3, 1, false);
     let nodes = block.pattern.vertices() as u32;
     let mut vertices: Vec<Vertex> = (0..nodes as usize).map(|v| block.pattern.vertex(v)).collect();

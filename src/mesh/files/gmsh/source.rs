@@ -134,7 +134,7 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// The closing line of a section.
+    /// Reads the closing line of a section.
     pub fn close(&mut self, section: &Section) -> Result<(), MeshError> {
         let at = self.place();
         let is_binary = self.is_binary();
