@@ -33,7 +33,7 @@ impl NodePosition {
         NodePosition { distance: gap.hypot(beyond), gap, along, end, share: s.clamp(0.0, length) / length, length }
     }
 
-    /// Gap of the node to the surface near this facet. At a corner the body is the intersection or the union of two half planes. `None`
+    /// Gap of the node to the surface near `facet`. At a corner the body is the intersection or the union of two half planes. `None`
     /// beyond the end of a chain.
     fn gap_to(&self, node: u32, surface: &Surface, facet: usize, q: &[f64]) -> Option<f64> {
         let Some(end) = self.end else { return Some(self.gap) };

@@ -29,7 +29,7 @@ pub struct Solid {
 pub struct HullPenetration {
     /// Penetration `[length]`.
     pub depth: f64,
-    /// Size of the smaller facet there `[length]`.
+    /// Size of the smaller one of the two facets at the deepest point `[length]`.
     pub size: f64,
     /// Position `[length]`.
     pub at: [f64; 3],

@@ -421,7 +421,7 @@ pub enum MeshError {
     Unjoined {
         /// Number of facets that lie on another one without common nodes.
         count: usize,
-        /// Mean of the corners of the first such facet `[length]`.
+        /// Mean of the corners of the first facet that lies on another one `[length]`.
         at: Vec<f64>,
     },
     /// A surface that intersects itself.

@@ -78,7 +78,7 @@ impl PartialEq for Facets {
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Place {
     Face,
-    /// Edge from this corner to the next one.
+    /// Edge from the given corner (0 to 2) to the next one.
     Edge(usize),
     Vertex(usize),
 }
@@ -386,7 +386,7 @@ impl Facets {
         from(&self.whole, x)
     }
 
-    /// Signed distance from one side.
+    /// Signed distance from side number `side` of the surface.
     pub(super) fn side_distance(&self, side: usize, x: Vector3<f64>) -> Distance {
         from(&self.sides[side], x)
     }

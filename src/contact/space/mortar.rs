@@ -68,7 +68,7 @@ struct Scratch {
     gradient_end: Vec<f64>,
     gradient_bar: Vec<f64>,
     tangent: Vec<f64>,
-    /// Positions of the nodes of a pair.
+    /// Positions of the nodes of a pair at the start, at the end and in the middle of the step.
     start: Vec<f64>,
     end: Vec<f64>,
     middle: Vec<f64>,

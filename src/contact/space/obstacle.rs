@@ -140,7 +140,7 @@ pub(super) struct StepGradient {
     pub tangent: Matrix3<f64>,
 }
 
-/// Obstacle prepared for evaluation. `sign` is +1 for bodies outside, -1 inside.
+/// Obstacle prepared for evaluation. `sign` is +1 if the deformable body is outside of the sphere, -1 if it is inside.
 #[derive(Clone, Debug)]
 pub(in crate::contact) enum Shape {
     Plane {

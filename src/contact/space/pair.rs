@@ -319,7 +319,7 @@ impl Pair<f64> {
         self.view.spread(&of_p, &of_h)
     }
 
-    /// Gradients of all weighted gaps with this band, see [`Pair::gradient`].
+    /// Gradients of all weighted gaps with a band of the width `band`, see [`Pair::gradient`].
     pub fn gradients(&self, band: f64) -> Gradients {
         dispatch(OfEach { pair: self, band })
     }

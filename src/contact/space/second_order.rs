@@ -149,8 +149,8 @@ impl<'a> ProxySurfacesInSpace<'a> {
         (0..surface.nodes().len()).map(of_node).collect()
     }
 
-    /// Transforms a contact method for these surfaces to the nodes of the model. `is_of_surface`: constraints belong to the secondary
-    /// nodes, not to selected points of either side.
+    /// Transforms `kernel`, a contact method on the points of the proxy surfaces, to the nodes of the model. `is_of_surface`: constraints
+    /// belong to the secondary nodes, not to selected points of either side.
     pub fn on_nodes(&self, kernel: Box<dyn ContactKernel>, is_of_surface: bool) -> Box<dyn ContactKernel> {
         let Some((points, homes, mut sides)) = self.on_faces.clone() else { return kernel };
         let mut rows = Combinations::default();

@@ -16,7 +16,7 @@ pub enum PlasticityError {
     Constant {
         /// Name of the constant.
         constant: &'static str,
-        /// The range and the value.
+        /// Admissible range, and the given value outside of it.
         fault: OutOfRange,
     },
     /// Invalid table of a hardening curve.

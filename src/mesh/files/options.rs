@@ -52,7 +52,7 @@ pub enum FileNote {
     LongLines {
         /// Number of elements with surplus numbers.
         count: usize,
-        /// Number of the first such element in the file.
+        /// Number in the file of the first element with surplus numbers.
         first: u64,
     },
     /// Node sets of second-order faces contain corners only; the whole faces were used.
@@ -68,11 +68,11 @@ pub enum FileNote {
     },
     /// Arrays of results were left out: their names.
     Arrays(Vec<String>),
-    /// Cells with repeated nodes became cells of the kind that they are.
+    /// Cells with repeated nodes became cells of a kind with fewer corners, such as wedges in place of hexahedra.
     Collapsed {
         /// For each pair of kinds, as written and as read: the kinds and the number of cells.
         counts: Vec<(&'static str, &'static str, usize)>,
-        /// Smallest number of such a cell in the file.
+        /// Smallest number in the file of a cell with repeated nodes.
         first: u64,
     },
 }
