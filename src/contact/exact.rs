@@ -95,7 +95,8 @@ impl ExactShape {
         Some(if is_flat { Profile::default() } else { Profile::new(first, last, mean) })
     }
 
-    /// Height of the shape over a point `x` of a facet with the unit normal `normal` `[length]`; `None` where the facet does not represent the shape.
+    /// Height of the shape over a point `x` of a facet with the unit normal `normal` `[length]`; `None` where the facet does not represent
+    /// the shape.
     pub fn height_in_space(&self, x: Vector3<f64>, normal: Vector3<f64>) -> Option<f64> {
         let Kind::Space(shape) = &self.kind else { return None };
         height(shape, x, normal).map(|(height, _)| height)
