@@ -179,7 +179,7 @@ impl Model {
         });
         let lacking = match &interaction.partner {
             Partner::Tied { .. } => None,
-            // Face centers without nodes have no tangents of their own.
+            // 8-node faces have no node at their center, hence no tangents for the friction there.
             _ if interaction.friction.is_some() && without_middles.is_some() => {
                 without_middles.map(|cells| format!("friction on a secondary side of `{cells}`"))
             }

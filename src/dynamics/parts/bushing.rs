@@ -196,7 +196,7 @@ impl Side {
 
 /// A bushing in the numbering of the model.
 struct Bushing {
-    /// Displacements, sines of rotations, cosine.
+    /// Invariants: displacements `d`, rotations `sin phi n`, then `cos phi`, as functions of positions.
     invariants: PointConstraints,
     dimension: usize,
     stiffness: DMatrix<f64>,
@@ -269,10 +269,11 @@ impl Bushing {
             return Response { force, slope: None, power };
         }
         let hessian = |weights: &[f64]| DMatrix::from_row_slice(count, count, &evaluated(weights).tangent);
-        // Derivatives of the invariants at which shares and motions are evaluated.
+        // Derivatives of the invariants at the configuration at which `s` and its derivative `ds/dz` are evaluated, with respect to `q_1`.
         let changes = DMatrix::from_row_slice(rows, count, &plain.gradient_end) * share;
         let last = rows - 1;
-        // Derivatives of the shares, applied to a vector over the invariants, and to one over the motions.
+        // Derivative of `(ds/dz) a` with respect to `q_1`, for a fixed vector `a` of one entry per invariant; `bent_back`: of `(ds/dz)^T
+        // b`.
         let bent = |vector: &DVector<f64>| {
             DMatrix::from_fn(last, count, |k, i| {
                 if k < self.dimension { 0.0 } else { -(changes[(last, i)] * vector[k] + changes[(k, i)] * vector[last]) / 3.0 }

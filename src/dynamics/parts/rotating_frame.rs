@@ -101,7 +101,7 @@ impl PartDefinition for RotatingFrameDefinition {
     }
 }
 
-/// A matrix between vectors.
+/// Matrix with 3 x 3 entries.
 type Matrix = [[f64; 3]; 3];
 
 /// Rotating frame in the numbering of the model.

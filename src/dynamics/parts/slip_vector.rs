@@ -78,7 +78,7 @@ impl<const N: usize> SlipVector<'_, N> {
         self.pressed.film(size(self.slip))
     }
 
-    /// Multiplier of dry friction, without the film's contribution.
+    /// Multiplier of dry friction: the tangential multiplier without the part of the lubricant film.
     fn dry(&self) -> [f64; N] {
         plus(self.lambda, self.film(), self.slip)
     }
@@ -137,7 +137,7 @@ impl<const N: usize> SlipVector<'_, N> {
         trial > 0.0 && trial >= tolerances::UNDIRECTED * self.limit(self.slip).shear
     }
 
-    /// Whole multiplier as a slip, and its energy.
+    /// Residual at an uncovered node: its multiplier divided by `c`, a slip, and the energy of that slip.
     pub fn excess(&self) -> (f64, f64) {
         (size(self.lambda) / self.pressed.c, dot(self.lambda, self.slip))
     }

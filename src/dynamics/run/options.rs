@@ -20,7 +20,7 @@ pub struct Options {
     pub dt: f64,
     /// Step size control; `None`: constant nominal size.
     pub control: Option<StepControl>,
-    /// Newton's tolerance: the energy that the residual can still move, relative to the energy scale.
+    /// Newton's tolerance of the energy error of a step (`step/convergence.rs`), relative to the energy scale.
     pub tolerance: f64,
     /// Linear solver; results agree within Newton's tolerance.
     pub solver: SolverChoice,

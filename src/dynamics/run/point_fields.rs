@@ -208,7 +208,7 @@ pub struct Principal {
     pub directions: [[f64; 3]; 3],
 }
 
-/// Principal values and directions of a tensor xx, yy, zz, xy, yz, xz; not a number where a component is not one.
+/// Principal values and directions of a tensor xx, yy, zz, xy, yz, xz; NaN if a component is NaN.
 pub fn principal(tensor: &[f64; 6]) -> Principal {
     if tensor.iter().any(|component| !component.is_finite()) {
         return Principal { values: [f64::NAN; 3], directions: [[f64::NAN; 3]; 3] };

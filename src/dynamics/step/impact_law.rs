@@ -86,7 +86,7 @@ impl ImpactLaw {
         ImpactSolution { impulses: vec![0.0; rates.len()], friction: vec![0.0; self.contacts.len()], pressing: 0.0, rates }
     }
 
-    /// Changes rates by impulses.
+    /// Adds the change `W p` by the impulses `p` to the rates.
     pub fn answer(&self, impulses: &[f64], rates: &mut [f64]) {
         let count = self.rows();
         for (row, rate) in rates.iter_mut().enumerate() {
