@@ -190,7 +190,7 @@ impl Argument<'_> {
         self.target.clone()
     }
 
-    /// `` `dt` of `simulate` ``.
+    /// Title of the argument in messages, such as `` `dt` of `simulate` ``.
     pub fn title(&self) -> String {
         format!("`{}` of {}", self.parameter.name, self.call.function.title())
     }

@@ -185,7 +185,7 @@ impl Reader<'_> {
             }
             TextTokenKind::Sign('|') => return self.bar(index),
             TextTokenKind::Name => return self.name(index, calls),
-            // `Fn("name")`
+            // A function pointer `Fn("name")` uses the function of that name.
             TextTokenKind::Text { closed: true }
                 if index > 1 && self.is(index - 1, TextTokenKind::Open('(')) && self.word(index - 2) == "Fn" =>
             {

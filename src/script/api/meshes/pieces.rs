@@ -251,7 +251,7 @@ impl Shape {
         }
     }
 
-    /// Distance of a point.
+    /// Distance of a point from the surface `[length]`.
     fn distance(&self, x: [f64; 3]) -> f64 {
         let from = |center: &[f64; 3]| [0, 1, 2].map(|i| x[i] - center[i]);
         let dot = |a: &[f64; 3], b: &[f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];

@@ -353,7 +353,7 @@ fn property(name: &'static str, returns: &'static str, summary: &'static str, re
     }
 }
 
-/// Which mode.
+/// Argument that selects a mode by its number.
 fn mode_parameter() -> Parameter {
     Parameter::new("mode", Kind::Integer, "number of the mode, from 0").within(Interval::Closed(0.0, MOST))
 }
