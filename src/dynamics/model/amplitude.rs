@@ -35,7 +35,7 @@ pub trait TimeFunction: Send + Sync {
     fn describe(&self) -> String;
 }
 
-/// A shared time function.
+/// Time function that several definitions may share.
 pub type Amplitude = Arc<dyn TimeFunction>;
 
 /// Constant time function.

@@ -106,7 +106,7 @@ pub struct Model {
     pub name: String,
     /// Bodies in the order of their definition.
     pub bodies: Vec<BodyDefinition>,
-    /// Supports.
+    /// Fixed displacement components of boundaries.
     pub supports: Vec<Support>,
     /// Prescribed displacements.
     pub prescriptions: Vec<Prescription>,
@@ -114,7 +114,7 @@ pub struct Model {
     pub gravity: [f64; 3],
     /// Factor of gravity over time; `None`: constant. Time-dependent gravity has no potential; its work is that of a load.
     pub gravity_amplitude: Option<Amplitude>,
-    /// Loads.
+    /// Loads on boundaries.
     pub loads: Vec<Load>,
     /// Interactions: contacts, obstacles and ties, in the order in which a simulation counts contacts.
     pub interactions: Vec<Interaction>,

@@ -183,7 +183,7 @@ pub struct PartDissipation {
 }
 
 impl PartDissipation {
-    /// Adds the heat of the next part.
+    /// Appends the dissipation of the next part.
     pub fn push(&mut self, remembered: &PartStepResult) {
         self.all.push(remembered.dissipated);
         self.plastic.push(remembered.plastic);

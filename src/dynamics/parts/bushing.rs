@@ -194,7 +194,7 @@ impl Side {
     }
 }
 
-/// A bushing in the numbering of the model.
+/// A bushing in global node numbers.
 struct Bushing {
     /// Invariants: displacements `d`, rotations `sin phi n`, then `cos phi`, as functions of positions.
     invariants: PointConstraints,
@@ -219,7 +219,7 @@ impl Bushing {
         self.invariants.patches().nodes(0)
     }
 
-    /// Relative displacements and rotations by the invariants.
+    /// Generalized displacements `s` from the invariants `z`.
     fn motions(&self, z: &[f64]) -> DVector<f64> {
         let cosine = z[z.len() - 1];
         DVector::from_fn(z.len() - 1, |k, _| if k < self.dimension { z[k] } else { (4.0 - cosine) / 3.0 * z[k] })

@@ -20,7 +20,7 @@ use crate::contact::{CoordinateKind, DrivenFunction, Geared, PointConstraints, P
 use crate::dynamics::model::definitions::Model;
 use crate::dynamics::model::joints::{Coordinate, JointDefinition, JointFriction, JointKind};
 
-/// Free coordinate of a joint in the numbering of the model.
+/// Free coordinate of a joint in global node numbers.
 pub struct FreeMotion {
     dimension: usize,
     coordinate: Coordinate,

@@ -68,9 +68,9 @@ struct Pairing<'a> {
     model: &'a Model,
     /// First node of each body.
     first: &'a dyn Fn(usize) -> usize,
-    /// Facets of a boundary in the numbering of the model.
+    /// Facets of a boundary in global node numbers.
     facets: &'a dyn Fn(&BodyBoundary) -> Vec<[u32; 2]>,
-    /// Faces of a boundary in space, in the numbering of the model.
+    /// Faces of a boundary in space, in global node numbers.
     faces: &'a dyn Fn(&BodyBoundary) -> Vec<Vec<u32>>,
     /// Mid-side nodes of edges of second order.
     middles: &'a ProxyNodes,

@@ -1,4 +1,4 @@
-//! Rigid bodies and joints in the numbering of the model: carried nodes, and constraints between points.
+//! Rigid bodies and joints in global node numbers: carried nodes, and constraints between points.
 //!
 //! All mesh nodes of a rigid body are numbered, so that boundaries, loads, contacts, probes and pictures refer to them as to others. Its
 //! *masters* have its mass; the distances between them are constant. Nodes with loads, contacts, supports or springs are unknowns with a

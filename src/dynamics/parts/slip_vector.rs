@@ -299,7 +299,7 @@ mod tests {
             let Map { along, across, .. } = at.map(c, state, at.pressed.limit((-dot(e, slip)).max(0.0)).shear);
             let [along, across] = [along, across].map(|n| 1.0 / (n * c + (1.0 - n) * at.pressed.stiffness));
             let scaled = |off: Pair| plus(off.map(|x| across * x), (along - across) * dot(off, e), e);
-            // Speed opposite to the trial, as in the equation; for a slip exactly opposite to it both are equal.
+            // Friction limit at the speed opposite to the trial, as in the equation.
             let missed = |normal: f64, lambda: Pair, slip: Pair| {
                 let at = rows(&law, normal, lambda, slip, [r, 0.0]);
                 let speed = (-dot(direction(at.trial(c)), slip)).max(0.0);

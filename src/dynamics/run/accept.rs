@@ -24,7 +24,7 @@ use crate::integrators::History;
 
 /// External forces and their work in a step.
 struct Outside {
-    /// Loads.
+    /// Loads on the nodes `[force]`.
     load: Vec<f64>,
     /// Forces of rigid obstacles and of the ground, and the work of moving obstacles.
     obstacles: Vec<f64>,

@@ -34,7 +34,7 @@ const SWING: f64 = 0.5;
 /// Number of rigid motions in space; in the plane there are three.
 const MOTIONS: usize = 6;
 
-/// The components of a model.
+/// Connected components of a model.
 pub struct Balance {
     pub components: Vec<Component>,
 }

@@ -399,7 +399,7 @@ fn plural(group: &str) -> String {
     sentence(&text)
 }
 
-/// A text inside a table.
+/// Escapes a text for a cell of a Markdown table.
 fn cell(text: &str) -> String {
     text.replace('|', "\\|")
 }

@@ -20,7 +20,7 @@ use crate::script::language::scan::Target;
 const SAME_DIRECTION: f64 = std::f64::consts::PI / 36.0;
 const SAME_SIDE: f64 = std::f64::consts::PI / 9.0;
 
-/// The functions of this file.
+/// Script functions defined in this file.
 pub fn functions() -> Vec<Function> {
     vec![pieces(), part_where(), boundary_by_normal(), boundary_from(), boundary_near()]
 }
