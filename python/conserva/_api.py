@@ -53,7 +53,7 @@ class Signature:
         return f"`{self.function['name']}`"
 
     def bind(self, values, named):
-        """The values of a call."""
+        """Positional and keyword arguments of a call as values in the order of the parameters."""
         given = list(values[self.first :])
         options = {}
         slots = dict(enumerate(given))
@@ -83,7 +83,7 @@ class Signature:
         return "path" not in named and len(values) - self.first + sum(name in named for name in needed) == len(needed) - 1
 
     def with_path(self, values, named, path):
-        """Arguments with a path in its place."""
+        """Positional and keyword arguments of a call, completed by the path of the file to write."""
         place = self.first + self.names.index("path")
         if len(values) < place:
             return values, {**named, "path": path}

@@ -81,7 +81,7 @@ INSTEAD = {
 
 
 def made_again(place, values):
-    """An object from the call that made it: the function by its owner and name, and its arguments."""
+    """Restores a pickled object by the call that made it: the function by its owner and name, and its arguments."""
     from . import _api
 
     return _api.call_by_name(place, values)

@@ -514,7 +514,7 @@ def program(text, known=None):
 
 
 def snippet(text):
-    """A few words of code within a message; as they are where they are no code."""
+    """A piece of script within a message as Python; text that is no script is returned as it is."""
     if not re.search(r"#\{|\|[a-z, ]*\||\blet |\btrue\b|\bfalse\b|;$|\w\(", text):
         return text
     try:
@@ -535,7 +535,7 @@ PHRASES = [
 
 
 def translated(text):
-    """A message in Python's words."""
+    """A message in which names of types and pieces of script are those of Python."""
     for words, instead in PHRASES:
         text = text.replace(words, instead)
     return re.sub(r"`([^`\n]+)`", lambda match: f"`{snippet(match[1])}`", text)

@@ -125,7 +125,7 @@ impl Skin {
 pub struct Still {
     /// Row of the history.
     pub row: usize,
-    /// Number of nominal steps before.
+    /// Number of nominal steps from the start of the run to this state.
     steps: usize,
     /// Time `[time]`.
     pub time: f64,

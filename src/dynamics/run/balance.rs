@@ -296,7 +296,7 @@ impl Balance {
                 }
             }
             if pair.kind == PairKind::Obstacle {
-                // Weighted by the area of the nodes.
+                // Gaps are integrated over the area of a node: division by this area gives distances.
                 let distances = pair.kernel.gap(q).into_iter().zip(pair.kernel.weights()).map(|(gap, weight)| gap / weight);
                 // The first constraint of a node measures the distance from the whole obstacle.
                 let distances = distances.step_by(pair.kernel.rows_per_node());

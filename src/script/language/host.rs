@@ -82,7 +82,7 @@ impl Host {
         self.effects.set(self.effects.get() + 1);
     }
 
-    /// Changes of shared objects so far.
+    /// Number of changes of shared objects in this session.
     pub(crate) fn effects(&self) -> u64 {
         self.effects.get()
     }
