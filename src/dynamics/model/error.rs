@@ -69,7 +69,7 @@ pub enum ModelError {
         joint: String,
         /// Reference position of the first point `[length]`.
         place: [f64; 3],
-        /// Distance `[length]`.
+        /// Distance between both points `[length]`.
         distance: f64,
     },
     /// Bodies of different dimension.
@@ -239,7 +239,7 @@ pub enum ModelError {
     NoShape {
         /// Name of the contact.
         contact: String,
-        /// Reason.
+        /// Reason why the contact cannot use the shape.
         reason: &'static str,
         /// Suggested remedy.
         remedy: &'static str,

@@ -202,7 +202,7 @@ pub struct Numbering<'a> {
 
 /// Transformation of a whole model to another position and other units: [`PartDefinition::changed`].
 pub struct Change<'a> {
-    /// Map of points.
+    /// Map of a point to its position after the transformation, in the new units.
     pub point: &'a dyn Fn([f64; 3]) -> [f64; 3],
     /// Map of directions, without change of units.
     pub direction: &'a dyn Fn([f64; 3]) -> [f64; 3],

@@ -78,7 +78,7 @@ impl LineElement for BoltElement {
 struct Bolt {
     line: Line,
     law: BoltElement,
-    /// Length in the undeformed bodies.
+    /// Distance of both ends in the undeformed bodies `[length]`.
     at_rest: f64,
 }
 

@@ -210,7 +210,7 @@ struct Response {
     /// Forces on the unknowns and, on request, their derivative.
     force: DVector<f64>,
     slope: Option<DMatrix<f64>>,
-    /// Power dissipated by the damping.
+    /// Power dissipated by the damping `[energy/time]`.
     power: f64,
 }
 

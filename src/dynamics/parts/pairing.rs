@@ -155,7 +155,7 @@ impl Pairing<'_> {
             }
             Partner::Obstacle { shape, motion, turn } => {
                 let kernel = RigidContact::new(&facets, shape, self.reference).without(&self.nodes_inside(interaction));
-                // Obstacles constrain the nodes themselves.
+                // Constraints of obstacles belong to the nodes of the surface itself, not to a proxy surface.
                 let kernel = match self.middles.lengths(&facets, self.reference) {
                     Some(lengths) => kernel.with_weights(lengths),
                     None => kernel,

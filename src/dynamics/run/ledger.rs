@@ -177,7 +177,7 @@ pub struct PartTotals {
 }
 
 impl PartTotals {
-    /// Columns of a part.
+    /// History columns of a force element.
     pub fn columns(part: &dyn PartDefinition) -> impl Iterator<Item = Quantity> {
         part.readings().iter().copied().chain(part.dissipates().then_some(Quantity::new("dissipation", "energy")))
     }

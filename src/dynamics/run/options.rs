@@ -100,7 +100,7 @@ pub struct Statistics {
     pub assemblies: usize,
     /// Cells of all bodies.
     pub cells: usize,
-    /// Bytes of the factors.
+    /// Memory of the matrix factors `[bytes]`.
     pub factor_bytes: usize,
     /// Time by phase.
     pub times: PhaseTimes,

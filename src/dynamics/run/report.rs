@@ -27,7 +27,7 @@ pub enum FailureCause {
         node: usize,
         /// Displacement of the node by the load alone in the last attempt, in cells.
         cells: f64,
-        /// Resulting failure.
+        /// Failure by which the last attempt ended.
         outcome: Box<FailureCause>,
     },
     /// Newton's method improved from halving to halving, or was still converging at its iteration limit.

@@ -55,7 +55,7 @@ pub struct ImpactLaw {
     pub response: Vec<f64>,
 }
 
-/// Course of an impact.
+/// Rates and impulses of the constraints in an impact.
 #[derive(Clone, Debug, Default)]
 pub struct ImpactSolution {
     /// Rates of the constraints.
@@ -287,7 +287,7 @@ impl Block {
         [stuck[0], share * stuck[1], share * stuck[2]]
     }
 
-    /// Impulses without a slip.
+    /// Impulses at which the contact sticks: no tangential rate.
     fn stuck(&self) -> [f64; 3] {
         let t = &self.response;
         // Tangential impulses of stick are `a + b p_n`.

@@ -159,7 +159,7 @@ fn go_on(session: &mut Session, out: &Path) -> Result<(), String> {
 
 /// Runs products and judges them.
 pub struct Bench {
-    /// Folder of its own.
+    /// Folder of the scripts and results, emptied before each product.
     pub home: PathBuf,
     /// Path of the program, for the trial `process`.
     pub program: PathBuf,

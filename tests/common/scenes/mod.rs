@@ -47,7 +47,7 @@ pub struct Body {
     pub mirrored: bool,
     /// Rotation angle about the origin before the translation.
     pub angle: f64,
-    /// Translation.
+    /// Translation of the origin, after the rotation.
     pub center: Point,
     /// Name of the row of the material.
     pub law: &'static str,
