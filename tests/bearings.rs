@@ -40,7 +40,8 @@ fn bearings_of_a_grid_keep_what_their_rules_promise() {
     expect_no_faults(&judged(&bearings, 0.75));
 }
 
-/// Torques and steps at which contact formerly created 1e-8 of the energy under `gap`, or a step was accepted with a defect of 5e-10.
+/// Torques and time step sizes at which earlier versions created 1e-8 of the energy in contact under `gap`, or accepted a step with a
+/// defect of 5e-10.
 #[test]
 fn bearings_that_once_gained_energy_no_longer_do() {
     let bearing = |(dt, torque)| Bearing { dt, torque, held: true, refine: 1, method: &MORTAR, rule: &GAP };

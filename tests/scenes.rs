@@ -231,7 +231,7 @@ fn the_reach_of_the_search_changes_nothing() {
     assert!(differing.is_empty(), "{} of {REACHED} scenes:\n{}", differing.len(), differing.join("\n"));
 }
 
-/// Disks and polylines of a twentieth of a facet to five facets, at rest and moving by up to five facets a step; hundreds, and planes, by
+/// Disks and polylines of a twentieth of a facet to five facets, at rest and moving by up to five facets a step. More cases, and planes:
 /// `cargo run --release --example obstacles`.
 #[test]
 fn obstacles_of_any_size_and_speed_stay_outside() {

@@ -17,7 +17,7 @@ use crate::fixtures::{System, saddle_point};
 
 /// Processor time of this thread if the system reports it, otherwise wall-clock time `[s]`.
 pub fn seconds(start: Instant) -> f64 {
-    // The count is updated when the thread yields.
+    // The system updates the processor time of a thread when the thread yields.
     std::thread::yield_now();
     let of_thread = std::fs::read_to_string("/proc/thread-self/schedstat").ok();
     let nanoseconds = of_thread.and_then(|text| text.split(' ').next()?.parse::<f64>().ok());

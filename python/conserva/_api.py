@@ -19,7 +19,7 @@ REGISTRY = json.loads(REGISTRY)
 FUNCTIONS = REGISTRY["functions"]
 _translate.KNOWN.__init__(FUNCTIONS)
 
-# Classes with more than the registry says, and names of the language that are names of exceptions here.
+# Base classes with functions in addition to those of the registry, by the name of the type in the language.
 BASES = {
     "Mesh": MeshMethods,
     "History": Columns,
@@ -30,7 +30,7 @@ BASES = {
     "Simulation": _views.SimulationMethods,
 }
 RENAMED = {"Error": "Failure"}
-# Types of values that never change: they are pickled by the call that made them.
+# Types of immutable values, pickled as the call that made them.
 VALUES = {"Material", "TimeFunction", "ContactMethod", "FrictionLaw", "Integrator", "StepControl", "Obstacle", "Curve"}
 
 
@@ -46,14 +46,14 @@ class Signature:
         self.names = [parameter["name"] for parameter in parameters]
         places = [place for place, parameter in enumerate(parameters) if parameter["kind"] == "Map"]
         self.options = places[0] if places else None
-        # Without its options the engine would say that there is no such function; with empty ones it says which key is missing.
+        # Without options the engine would report an unknown function; with empty options it reports the missing key.
         self.is_needed = bool(places) and parameters[places[0]]["required"]
 
     def title(self):
         return f"`{self.function['name']}`"
 
     def bind(self, values, named):
-        """The values of a call."""
+        """Positional and keyword arguments of a call as values in the order of the parameters."""
         given = list(values[self.first :])
         options = {}
         slots = dict(enumerate(given))
@@ -83,7 +83,7 @@ class Signature:
         return "path" not in named and len(values) - self.first + sum(name in named for name in needed) == len(needed) - 1
 
     def with_path(self, values, named, path):
-        """Arguments with a path in its place."""
+        """Positional and keyword arguments of a call, completed by the path of the file to write."""
         place = self.first + self.names.index("path")
         if len(values) < place:
             return values, {**named, "path": path}
@@ -241,7 +241,7 @@ def column_methods(place):
         try:
             return _core.call(place, (self, name))
         except ScriptError as error:
-            # A mapping without a key raises so; the message is that of the language.
+            # A mapping raises KeyError for a missing key; the message is that of the language.
             raise KeyError(str(error)) from error
 
     def by_attribute(self, name):

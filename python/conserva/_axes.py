@@ -90,5 +90,5 @@ def picture(simulation, *, ax, field="von_mises", range=None, bodies=None, mesh=
     return dressed(ax, title=title or f"{simulation.name}, t = {simulation.time:.4g}", **others)
 
 
-# Functions that draw on `ax` in place of a file, by the type that has them and their name.
+# Functions that draw on `ax` instead of a file, by type and name.
 DRAWN = {("Simulation", "plot"): history, ("Simulation", "picture"): picture, (None, "plot_curves"): curves}

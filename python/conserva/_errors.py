@@ -83,10 +83,10 @@ class ConservaWarning(UserWarning):
 
 CLASSES = {"check": CheckFailed, "numerics": StepFailed, "output": OutputError}
 
-# Words of hints that are true at the prompt of the command alone.
+# End of hints that holds at the command prompt only; it is removed in Python.
 OF_PROMPT = "; `:vars` lists the variables"
 
-# Codes of models begin so in `docs/errors.md`.
+# Prefix of the codes of model errors in `docs/errors.md`.
 MODEL_CODES = ("C01",)
 
 

@@ -57,7 +57,7 @@ atexit.register(NOTEBOOK.close)
 
 
 def unload_ipython_extension(_):
-    """Completes the files of the notebook; later objects belong to the session before."""
+    """Closes the session of the notebook and completes its files; later calls belong to the session that was open before."""
     NOTEBOOK.close()
 
 

@@ -166,7 +166,7 @@ def from_meshio(mesh):
     used = np.unique(np.concatenate([cells.ravel() for _, _, cells in blocks]))
     place = np.full(len(points), -1)
     place[used] = np.arange(len(used))
-    # Blocks of the mesh are in the order of their types, blocks of a type in that of the file.
+    # Blocks of the mesh are ordered by cell type, blocks of one type in the order of the file.
     first = np.cumsum([0, *(len(cells) for _, _, cells in blocks)])
     starts = {id(block): start for (_, block, _), start in zip(blocks, first)}
     cells_of_type = {}
@@ -239,7 +239,7 @@ def turned(points, cells, kind):
     clockwise = (x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1)).sum(axis=1) < 0
     order = np.r_[0, np.arange(count - 1, 0, -1)]
     if cells.shape[1] > count:
-        # The middle nodes of the sides, met in the opposite order, and the node in the middle.
+        # Mid-side nodes in reverse order, then the center node.
         order = np.r_[order, np.arange(2 * count - 1, count - 1, -1), np.arange(2 * count, cells.shape[1])]
     cells = cells.copy()
     cells[clockwise] = cells[clockwise][:, order]

@@ -22,7 +22,7 @@ class Record(dict):
         return Record({**self, **other}) if isinstance(other, dict) else NotImplemented
 
 
-# Numbers of objects have the number of their thread in the bits above.
+# Least number of an object: the bits from the 40th on hold the number of its thread.
 LEAST_NUMBER = 1 << 40
 
 
@@ -72,7 +72,7 @@ class Object:
         raise AttributeError(missing(type(self), name))
 
 
-# What to do in place of pickling.
+# Hints for types that cannot be pickled.
 INSTEAD = {
     "Simulation": "`sim.branch()` copies a simulation; pickle its state `sim.save()`, and `restore` it in a simulation of an equal model",
     "Model": "pickle the function that makes the model, and call it where the model is used",
@@ -81,7 +81,7 @@ INSTEAD = {
 
 
 def made_again(place, values):
-    """An object from the call that made it: the function by its owner and name, and its arguments."""
+    """Restores a pickled object by the call that made it: the function by its owner and name, and its arguments."""
     from . import _api
 
     return _api.call_by_name(place, values)

@@ -137,7 +137,7 @@ def signature(function):
 def declared(function, indent=""):
     given = signature(function)
     self_ = ["self"] if indent else []
-    # Results that the registry does not name may be anything.
+    # A result whose type the registry does not name is typed as any.
     gives = GIVES.get(function["returns"], function["returns"]) if function["returns"] or function["form"] != "property" else "Any"
     return f"{indent}def {function['name']}({', '.join([*self_, *([given] if given else [])])}) -> {gives}: ..."
 

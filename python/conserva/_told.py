@@ -27,7 +27,7 @@ def passed(line):
 def warned(parts):
     """A warning."""
     ended()
-    # The caller of the function: _told, _api, the generated method, the user.
+    # Stack levels up to the user's call: _told, _api, the generated method, the user.
     warnings.warn(str(exception_of({**parts, "kind": "script"})), ConservaWarning, stacklevel=5)
 
 

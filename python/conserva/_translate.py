@@ -22,7 +22,7 @@ LEVELS = {sign: level for level, signs in enumerate(OPERATORS) for sign in signs
 SUM = LEVELS["+"]
 IN_PYTHON = {"||": "or", "&&": "and"}
 CONSTANTS = {"true": "True", "false": "False", "PI": "cs.PI"}
-# Methods of arrays, texts and numbers that the engine brings with it.
+# Methods of arrays, strings and numbers that the engine provides.
 BUILT_IN = {
     "len": "len({0})", "abs": "abs({0})", "to_string": "str({0})", "to_float": "float({0})", "to_int": "int({0})", "push": "{0}.append({1})",
     "contains": "({1} in {0})", "is_empty": "(len({0}) == 0)", "map": "[({1})(entry) for entry in {0}]", "pop": "{0}.pop()",
@@ -103,7 +103,7 @@ class Translator:
 
     def __init__(self, text, known):
         self.tokens = [token for token in tokens_of(text) if token[0] != "comment"]
-        # Signs and names; beyond the end there is none.
+        # Words of signs and names, None for other tokens and beyond the end.
         self.words = [word if kind in ("sign", "name") else None for kind, word in self.tokens] + [None, None]
         self.known, self.place, self.types = known, 0, {}
         self.lines, self.depth, self.count, self.locals = [], 0, 0, []
@@ -514,7 +514,7 @@ def program(text, known=None):
 
 
 def snippet(text):
-    """A few words of code within a message; as they are where they are no code."""
+    """A piece of script within a message as Python; text that is no script is returned as it is."""
     if not re.search(r"#\{|\|[a-z, ]*\||\blet |\btrue\b|\bfalse\b|;$|\w\(", text):
         return text
     try:
@@ -535,7 +535,7 @@ PHRASES = [
 
 
 def translated(text):
-    """A message in Python's words."""
+    """A message in which names of types and pieces of script are those of Python."""
     for words, instead in PHRASES:
         text = text.replace(words, instead)
     return re.sub(r"`([^`\n]+)`", lambda match: f"`{snippet(match[1])}`", text)

@@ -1,6 +1,6 @@
 //! A callable of Python as a function pointer of the script engine.
 
-#![allow(deprecated)] // the engine marks its native function pointers as volatile, not as obsolete
+#![allow(deprecated)] // rhai marks native function pointers as deprecated because their interface may change
 
 use std::sync::atomic::{AtomicU64, Ordering};
 

@@ -1,7 +1,7 @@
-//! Eight cells that are computed together, lane by lane: from displacements of their nodes to strains at their points.
+//! Eight cells that are computed together, lane by lane: from nodal displacements to strains at the quadrature points.
 //!
 //! A batch stores only nodes and edges of the cells; gradients of shape functions, volumes and strains are recomputed in every pass, which
-//! is faster than fetching them from main memory. All quantities are relative to the last node of a cell: the gradients of the shape
+//! is faster than reading them from main memory. All quantities are relative to the last node of a cell: the gradients of the shape
 //! functions sum to zero, so its contribution is the negative sum of the others.
 
 use crate::elements::ReferenceCell;
@@ -50,7 +50,7 @@ pub(super) struct Batch<const D: usize, const A: usize> {
     pub(super) count: usize,
     /// Vectors from the last node to each node in the reference positions.
     pub(super) edges: [[Lanes<false>; D]; A],
-    /// First coordinate of the last node in the reference positions, its radius in a body of revolution.
+    /// First coordinate of the last node in the reference positions `[length]`; in a body of revolution, its radius.
     pub(super) last: Lanes<false>,
     /// Ratio of stress-free to initial length at each point; empty if initial lengths are stress-free.
     pub(super) growth: Vec<Lanes<false>>,
@@ -59,7 +59,7 @@ pub(super) struct Batch<const D: usize, const A: usize> {
 }
 
 impl<const D: usize, const A: usize> Batch<D, A> {
-    /// Batch of up to eight cells with these points; node numbers start at `first_node`.
+    /// Batch of up to eight cells with the node positions `points`; model node numbers start at `first_node`.
     pub(super) fn new(cells: &[&[u32]], points: &[[f64; 3]], first_node: usize) -> Self {
         let mut batch = Batch {
             nodes: [[0; WIDTH]; A],
@@ -103,16 +103,16 @@ impl<const D: usize, const A: usize> Batch<D, A> {
     }
 }
 
-/// A quadrature point of eight cells.
+/// Quadrature point of eight cells.
 #[derive(Clone, Copy)]
 pub(super) struct Point<const FMA: bool, const D: usize, const A: usize> {
     /// Gradients of the shape functions except that of the last node.
     pub(super) gradients: [[Lanes<FMA>; D]; A],
-    /// Stress-free volume of the point.
+    /// Volume of the point in the stress-free state (after swelling), the weight of the energy.
     pub(super) volume: Lanes<FMA>,
-    /// Initial volume of the point, which carries the mass.
+    /// Volume of the point in the initial mesh, the weight of the mass.
     pub(super) weighed: Lanes<FMA>,
-    /// Initial stretch relative to the stress-free state, less 1.
+    /// Stretch from the stress-free state to the initial mesh, minus 1.
     pub(super) slack: Lanes<FMA>,
     /// Inverse distance of the point from the axis of a body of revolution `[1/length]`.
     pub(super) curvature: Lanes<FMA>,
@@ -122,7 +122,7 @@ impl<const FMA: bool, const D: usize, const A: usize> Point<FMA, D, A> {
     pub(super) const ZERO: Self =
         Point { gradients: [[Lanes::ZERO; D]; A], volume: Lanes::ZERO, weighed: Lanes::ZERO, slack: Lanes::ZERO, curvature: Lanes::ZERO };
 
-    /// Point of cells with these edges; `gradients`: gradients of the shape functions on the reference cell.
+    /// Quadrature point of cells with the given edges; `gradients`: gradients of the shape functions on the reference cell.
     #[inline(always)]
     pub(super) fn new(edges: &[[Lanes<false>; D]; A], gradients: &[[f64; D]; A], weight: f64) -> Self {
         let mut jacobian = [[Lanes::<FMA>::ZERO; D]; D];
@@ -170,7 +170,7 @@ impl<const FMA: bool, const D: usize, const A: usize> Point<FMA, D, A> {
         (0..directions).for_each(|_| self.volume = self.volume * factor);
     }
 
-    /// Stretch of the circumference less 1, for cells that are stress-free in the mesh.
+    /// Hoop stretch minus 1, that is `u_r/R`, of cells without swelling.
     #[inline(always)]
     pub(super) fn hoop(&self, u: &[[Lanes<FMA>; D]; A], shapes: &[f64; A]) -> Lanes<FMA> {
         let mut moved = u[A - 1][0];
@@ -196,8 +196,8 @@ impl<const FMA: bool, const D: usize, const A: usize> Point<FMA, D, A> {
     }
 }
 
-/// Returns `N`, a number of nodes or points. Large numbers are hidden from the optimizer, which would unroll all loops over them; that
-/// takes minutes and gains nothing.
+/// Returns `N`, a number of nodes or points. Large numbers are hidden from the optimizer, which otherwise unrolls all loops over them:
+/// minutes of compile time without a gain in speed.
 #[inline(always)]
 pub(super) fn many<const N: usize>() -> usize {
     if N > FEW { std::hint::black_box(N) } else { N }
@@ -208,7 +208,7 @@ pub(super) fn cast<const FMA: bool>(x: Lanes<false>) -> Lanes<FMA> {
     Lanes(x.0)
 }
 
-/// Discrete gradient of a stored energy between two strains, and its derivative with respect to the second one.
+/// Discrete gradient of a stored energy between two strains, and its derivative with respect to the second strain.
 #[inline(always)]
 pub(super) fn discrete_stress<const FMA: bool, const S: usize>(
     strains: [&Components<S>; 2],
@@ -233,7 +233,7 @@ pub(super) fn determinant_and_cofactor<const FMA: bool, const D: usize>(m: &[[La
     let mut cofactor = [[Lanes::ZERO; D]; D];
     for i in 0..D {
         for j in 0..D {
-            // Cyclic neighbors of the row and the column.
+            // Cyclically following rows and columns, as in the cofactor formula.
             let (r, s, c, d) = ((i + 1) % D, (i + 2) % D, (j + 1) % D, (j + 2) % D);
             cofactor[i][j] = match (D, i == j) {
                 (2, true) => m[r][c],
@@ -278,7 +278,7 @@ pub(super) fn volume_change<const FMA: bool, const D: usize>(h: &[[Lanes<FMA>; D
     for i in 0..D {
         sum = sum + h[i][i];
         for j in i + 1..D {
-            // In the plane that is the determinant itself.
+            // Second invariant of `H`; in the plane it equals the determinant, which is already included.
             if D > 2 {
                 sum = sum + (h[i][i] * h[j][j] - h[i][j] * h[j][i]);
             }
@@ -318,7 +318,8 @@ impl Strain {
         strain
     }
 
-    /// Change of the strain between two displacement gradients, `sym(F_mid^T (H_1 - H_0))`, without the cancellation of the two strains.
+    /// Change of the strain between two displacement gradients, `sym(F_mid^T (H_1 - H_0))`, without the cancellation in a difference of
+    /// strains.
     #[inline(always)]
     pub(super) fn change<const FMA: bool, const D: usize, const S: usize>(
         self,
@@ -347,7 +348,7 @@ impl Strain {
         change
     }
 
-    /// Hoop strain of a hoop displacement gradient.
+    /// Hoop strain for a hoop displacement gradient `u_r/R`.
     #[inline(always)]
     pub(super) fn around<const FMA: bool>(self, hoop: Lanes<FMA>) -> Lanes<FMA> {
         if self == Strain::Large { hoop + hoop * hoop * 0.5 } else { hoop }

@@ -1,4 +1,4 @@
-//! The loop over the cells of a mixed mesh: one loop for each block of a kind, one after the other.
+//! Element loop of a mixed mesh: one loop for each block of cells of a kind, evaluated in sequence.
 //!
 //! Numbers of cells and history variables follow each other block by block, as the cells of the mesh do.
 
@@ -7,15 +7,15 @@ use crate::integrators::Lumping;
 use crate::linear::{NodeMatrix, Pattern};
 use crate::math::workers::Workers;
 
-/// Cells of several kinds.
+/// Element loop over cells of several kinds.
 pub(super) struct Blocks<const D: usize> {
-    /// Loops, each with the number of its first cell.
+    /// Element loop of each block, with the number of its first cell.
     blocks: Vec<(usize, Box<dyn ElementLoop<D>>)>,
     cliques: Vec<Vec<u32>>,
 }
 
 impl<const D: usize> Blocks<D> {
-    /// The loops of the blocks of a mesh.
+    /// Combines the element loops of the blocks of a mesh.
     pub(super) fn new(loops: Vec<Box<dyn ElementLoop<D>>>) -> Self {
         let (mut blocks, mut cliques) = (Vec::with_capacity(loops.len()), Vec::new());
         for block in loops {

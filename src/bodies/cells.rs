@@ -1,4 +1,4 @@
-//! The loop over the cells of one body.
+//! Element loop over the cells of one body.
 //!
 //! Per point, with displacement gradient `H`, `F = I + H`, Green-Lagrange strain `E = (H + H^T + H^T H)/2` (relative accuracy at small
 //! strain), algorithmic stress `S` and its derivative `T = dS/dE_1` from the step's `Derivative`,
@@ -50,7 +50,7 @@ pub(super) struct Cells<const D: usize, const S: usize, const L: usize, const A:
     rounds: Vec<Vec<PlacedRun<D>>>,
 }
 
-/// Run of cells with the positions of its nodes' matrix columns; empty without a matrix.
+/// Run of cells, with the range of its nodes' columns in the matrix values; ranges are empty before a matrix is placed.
 struct PlacedRun<const D: usize> {
     run: Run,
     values: Range<usize>,
@@ -105,17 +105,17 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
         Ok(elements)
     }
 
-    /// Mass between two nodes of a cell per density, from the initial volumes of its points.
+    /// Entry of the consistent mass matrix between two nodes of a cell, per density, from the initial volumes of its points.
     pub(super) fn mass_product(&self, batch: &Batch<D, A>, volumes: &[Lanes<false>; Q], lane: usize, [a, b]: [usize; 2]) -> f64 {
         batch.kept_mass(a, b).map_or_else(|| summed(&self.table, volumes, lane, [a, b]), |product| product.0[lane])
     }
 
-    /// Volumes, displacement gradients and strains of a batch at its points; without displacements those of the undeformed cells.
+    /// Volumes, displacement gradients and strains of a batch at its points; those of the undeformed cells if `u` is `None`.
     pub(super) fn deform(&self, batch: &Batch<D, A>, u: Option<&[f64]>) -> Deformation<D, S, Q> {
         dispatch(Deform { cells: self, batch, u })
     }
 
-    /// Adds forces and matrix values of a run's cells to its span of nodes, which is zeroed first where no earlier round has contributed.
+    /// Adds forces and matrix values of a run's cells to its span of nodes; parts without contributions of earlier rounds are zeroed first.
     fn assemble_run(&self, step: &Step, placed: &PlacedRun<D>, force: &mut [f64], mut values: Option<&mut [f64]>) -> Result<(), Inverted> {
         let PlacedRun { run, values: places, fresh_values } = placed;
         let (first_unknown, first_value) = (run.nodes.start * D, places.start);
@@ -136,18 +136,19 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
         })
     }
 
-    /// Adds forces and tangent of a step, with a factor of the geometric stiffness, in a configuration without inverted cells.
+    /// Adds forces and tangent of a step with `geometric` times the geometric stiffness, for a configuration without inverted cells.
     fn add_all(&self, step: &Step, force: &mut [f64], values: Option<&mut [f64]>, geometric: f64) {
         let sums = Sums { force, values, first_unknown: 0, first_value: 0 };
         let _ = dispatch(Assemble { cells: self, step, batches: 0..self.batches.len(), sums, geometric });
     }
 
-    /// The nodes of a cell of a batch.
+    /// Model node numbers of a cell, given its batch and lane.
     pub(super) fn nodes(&self, batch: usize, lane: usize) -> &[u32] {
         &self.cliques[batch * WIDTH + lane]
     }
 
-    /// Sets the points of a batch relative to the stress-free state; for bodies of revolution with volumes of the whole circumference.
+    /// Sets the quadrature points of a batch relative to the stress-free state; for bodies of revolution with volumes of the whole
+    /// circumference.
     #[inline(always)]
     pub(super) fn set_points<const FMA: bool>(&self, batch: &Batch<D, A>, work: &mut Workspace<FMA, D, S, A, Q>) {
         work.set_points(batch, &self.table);
@@ -159,8 +160,8 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
         }
     }
 
-    /// Computes the forces of a batch in a step and, with a factor of the geometric stiffness, the tangent; returns true if no cell is
-    /// inverted.
+    /// Computes the forces of a batch in a step and, with `geometric` times the geometric stiffness, the tangent; returns true if no cell
+    /// is inverted.
     #[inline(always)]
     pub(super) fn respond<const FMA: bool>(
         &self,
@@ -198,7 +199,7 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
             work.integrate_force(step.derivative, step.weight);
         }
         if let (Some(points), Some(answer)) = (special, answer) {
-            // A hoop stretch of zero or less inverts a cell, too.
+            // A nonpositive hoop stretch also counts as an inverted cell.
             if points.hoop[1][..Q].iter().any(|hoop| hoop.0.iter().any(|hoop| *hoop <= -1.0)) {
                 return false;
             }
@@ -252,7 +253,7 @@ pub(super) struct Deformation<const D: usize, const S: usize, const Q: usize> {
     pub(super) weighed: [Lanes<false>; Q],
     pub(super) gradient: [[[Lanes<false>; D]; D]; Q],
     pub(super) strain: [Components<S>; Q],
-    /// Data of the points for a special stress, if the body has one.
+    /// Point data for a special stress (hoop strain, dilatation of the cell), if the body has one.
     pub(super) special: Option<Box<SpecialPoints<D>>>,
     smallest_determinants: [f64; WIDTH],
 }
@@ -287,7 +288,7 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
             let points = work.special_points(self.batch, table, [None, self.u.filter(|_| is_axisymmetric)]);
             for hoop in &points.hoop[1][..Q] {
                 for lane in 0..WIDTH {
-                    // A body of revolution that crosses its axis is inverted, too.
+                    // A body of revolution that crosses its axis also counts as inverted.
                     let least = &mut deformation.smallest_determinants[lane];
                     *least = least.min(*least * (1.0 + hoop.0[lane])).min(1.0 + hoop.0[lane]);
                 }
@@ -298,7 +299,7 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
     }
 }
 
-/// Forces and, if requested, matrix values of a span of nodes, as accumulators.
+/// Accumulators for the forces and, if requested, matrix values of a span of nodes.
 struct Sums<'a> {
     force: &'a mut [f64],
     values: Option<&'a mut [f64]>,
@@ -317,7 +318,7 @@ struct Assemble<'a, const D: usize, const S: usize, const L: usize, const A: usi
 }
 
 impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: usize> Kernel for Assemble<'_, D, S, L, A, Q> {
-    /// Index of the first batch with an inverted cell, as an error.
+    /// Fails with the index of the first batch that has an inverted cell.
     type Output = Result<(), usize>;
 
     #[inline(always)]

@@ -1,7 +1,5 @@
-//! Contributions of a special stress beyond the components of its cells: hoop forces of bodies of revolution, and the derivative of the
-//! pressures of a dilatation.
-//!
-//! See `special.rs` for the formulas.
+//! Contributions of a special stress that the common element loop lacks: hoop forces of bodies of revolution, and the derivatives of the
+//! pressures of a cell dilatation. Formulas: `special.rs`.
 
 use super::batch::{MOST_POINTS, Table, cast, many};
 use super::dilatation::{MOST_MODES, Modes};
@@ -13,7 +11,7 @@ use crate::materials::Response;
 use crate::math::lanes::{Lanes, Real};
 use crate::math::tensor::{mandel_index, mandel_place, mandel_scale};
 
-/// Weights of the added forces in a step.
+/// Weights of the added forces in a step, and options of their derivative.
 #[derive(Clone, Copy)]
 pub(super) struct Share {
     pub(super) derivative: Derivative,
@@ -21,7 +19,7 @@ pub(super) struct Share {
     pub(super) weight: f64,
     /// True if the derivative of the force is computed, too.
     pub(super) with_tangent: bool,
-    /// Derivative of the configuration of the forces with respect to the end of the step; 0 omits geometric terms.
+    /// Derivative of the configuration in which the forces act with respect to the end of the step; 0 omits geometric terms.
     pub(super) geometric: f64,
 }
 
@@ -61,7 +59,7 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
         }
     }
 
-    /// Adds the hoop forces and their derivative, and the derivative of the other forces with respect to the hoop stretch.
+    /// Adds the hoop forces with their derivative, and the derivative of the in-plane forces with respect to the hoop stretch.
     #[inline(always)]
     fn add_around<const L: usize>(
         &mut self,
@@ -116,7 +114,7 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
         }
     }
 
-    /// Adds the derivative with respect to the pressures of the cell's dilatation: a matrix whose rank is the number of modes.
+    /// Adds the derivative with respect to the pressures of the cell dilatation, a matrix whose rank is the number of modes.
     #[inline(always)]
     fn add_pressure<const L: usize>(
         &mut self,
@@ -127,7 +125,7 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
         (modes, slopes): (&Modes, &[[Lanes<false>; MOST_MODES]; MOST_MODES]),
     ) {
         let Placement { test, trial, .. } = share.derivative.placement();
-        // Factors of the derivative: forces for the test side, dilatation for the trial side.
+        // Factors of this low-rank derivative: forces on the test side, derivatives of the dilatation on the trial side.
         let mut sides = [[[[Lanes::ZERO; D]; A]; MOST_MODES]; 2];
         for (side, (at, factor)) in [(test, share.weight), (trial, 1.0)].into_iter().enumerate() {
             for i in 0..modes.count {

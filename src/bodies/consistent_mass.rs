@@ -1,14 +1,14 @@
 //! Consistent mass of cells with a variable Jacobian.
 //!
-//! `m_ab = int rho N_a N_b det J dxi`. The stiffness quadrature is exact for a constant Jacobian. In curved and distorted cells and around
-//! an axis it is not: with eight facets around, the kinetic energy of `tet10` had an error of 1 %. These cells store `int N_a N_b det J` by
-//! an exact quadrature, one number for each pair of nodes.
+//! `m_ab = int rho N_a N_b det J dxi`. The stiffness quadrature is exact for a constant Jacobian only. In curved and distorted cells and
+//! around an axis of revolution it is inexact: with eight `tet10` facets around a circle, the kinetic energy had an error of 1 %. Such
+//! cells store `int N_a N_b det J` by an exact quadrature, one number for each pair of nodes.
 
 use super::batch::{Batch, Point, Table, many};
 use crate::elements::{CellShape, ReferenceCell};
 use crate::math::lanes::{Lanes, Real, WIDTH};
 
-/// Relative difference up to which two quadratures of a product of shape functions agree: round-off of their sums.
+/// Relative difference up to which two quadratures of a product of shape functions count as equal: round-off of their sums.
 const MASS_PRODUCT: f64 = 50.0 * f64::EPSILON;
 
 /// Quadrature point of the mass: values and gradients of the shape functions, and weight.
@@ -142,7 +142,7 @@ mod tests {
         rule
     }
 
-    /// One cell with a bent shape, away from the axis.
+    /// Mesh of one cell with a curved shape, away from the axis.
     fn bent(kind: CellKind) -> Mesh {
         let plane = kind.dimension() == 2;
         let bend = |[x, y, z]: [f64; 3]| {

@@ -47,7 +47,7 @@ impl Modes {
             values: [[Lanes::splat(1.0); MOST_POINTS]; MOST_MODES],
             norms: [volumes.iter().fold(Lanes::ZERO, |sum, volume| sum + *volume); MOST_MODES],
         };
-        // Gram and Schmidt: each coordinate less its projection on the modes before it.
+        // Gram-Schmidt orthogonalization: each coordinate minus its projections on the previous modes.
         for i in 0..places.map_or(0, |_| D) {
             let places = places.unwrap_or_default();
             let mut coordinate = [Lanes::ZERO; MOST_POINTS];
@@ -75,8 +75,8 @@ impl Modes {
         projected
     }
 
-    /// Derivatives of the modes' pressures with respect to their dilatations, from those at the points, over the norms of both:
-    /// `sum_h w_h p'_h phi_i(h) phi_j(h) / (n_i n_j)`.
+    /// Derivatives of the pressures of the modes with respect to their dilatations, from the derivatives `p'` at the points: `sum_h w_h
+    /// p'_h phi_i(h) phi_j(h) / (n_i n_j)`.
     pub(super) fn slopes(
         &self,
         volumes: &[Lanes<false>],
@@ -94,7 +94,7 @@ impl Modes {
     }
 }
 
-/// Pressure of a step, and its derivative with respect to `theta` at the configuration where `theta` is evaluated.
+/// Pressure of a step, and its derivative with respect to `theta` at the configuration in which `theta` is evaluated.
 #[derive(Clone, Copy)]
 pub(super) struct Pressure {
     pub(super) value: Lanes<false>,
@@ -143,7 +143,8 @@ impl Pressure {
     }
 }
 
-/// `DG[J]` with respect to the strain, its derivative with respect to the strain at the trial configuration, and `dJ/dE` there.
+/// Discrete gradient `DG[J]` with respect to the strain, its derivative with respect to the strain at the trial configuration, and the
+/// gradient `dJ/dE` there.
 pub(super) struct VolumeRatio<const FMA: bool, const S: usize> {
     pub(super) gradient: [Lanes<FMA>; S],
     pub(super) hessian: [[Lanes<FMA>; S]; S],

@@ -1,6 +1,6 @@
-//! Interface of the loop over a body's cells: internal force, exact tangent, strain energy, stresses and mass.
+//! Interface of the element loop over a body's cells: internal force, exact tangent, strain energy, stresses and mass.
 //!
-//! A [`Step`] defines the derivative of the strain energy; it is implemented in `cells.rs`.
+//! A [`Step`] selects the algorithmic gradient of the strain energy. The implementation is in `cells.rs`.
 
 use crate::integrators::{Derivative, Lumping};
 use crate::linear::{NodeMatrix, Pattern};
@@ -29,7 +29,7 @@ pub struct FastestCell {
 /// keep their relative accuracy.
 #[derive(Clone, Copy, Debug)]
 pub struct Step<'a> {
-    /// Derivative of the strain energy: discrete gradient, or gradient in the middle or at the end.
+    /// Algorithmic gradient of the strain energy: discrete gradient, or gradient at mid-step or at the end.
     pub derivative: Derivative,
     /// Factor of the force.
     pub weight: f64,
@@ -75,7 +75,7 @@ pub struct PointStress<'a> {
     pub nodes: &'a [u32],
     /// Values of the cell's shape functions at the point.
     pub shapes: &'a [f64],
-    /// Factors of the point's value in the extrapolation to the cell's nodes.
+    /// Factors of this point's value in the extrapolation to each of the cell's nodes.
     pub extrapolation: &'a [f64],
     /// Undeformed volume of the point.
     pub volume: f64,
@@ -85,7 +85,7 @@ pub struct PointStress<'a> {
     pub stress: [f64; 6],
     /// Green-Lagrange strain xx, yy, zz, xy, yz, xz.
     pub strain: [f64; 6],
-    /// Stored energy per undeformed volume, without the part that relaxes `[energy/volume]`.
+    /// Stored energy per undeformed volume, without that of relaxing (Maxwell) branches `[energy/volume]`.
     pub energy: f64,
     /// Plastic strain, heat and back stress; `None` for laws without history variables.
     pub kept: Option<PointHistory>,
@@ -125,14 +125,14 @@ pub trait ElementLoop<const D: usize>: Send + Sync {
     /// A cell that is inside out at `u_1`, the same one for any number of threads; forces and values are then undefined.
     fn assemble(&self, step: &Step, force: &mut [f64], values: Option<&mut [f64]>, workers: &Workers) -> Result<(), Inverted>;
 
-    /// Adds force and derivative that [`Self::assemble`] would set, in a configuration in which no cell is inside out.
+    /// Adds the force and derivative that [`Self::assemble`] sets, for a configuration without inverted cells.
     fn add_step(&self, step: &Step, force: &mut [f64], values: Option<&mut [f64]>);
 
     /// Adds the mass and `factor` times the material stiffness `int B^T D B dV` at `u`, the tangent of the static forces without its
     /// geometric part.
     fn add_material_stiffness(&self, u: &[f64], factor: f64, values: &mut [f64]);
 
-    /// Number of history variables of all points, which are 0 at rest; zero where stresses follow from displacements alone.
+    /// Number of history variables of all quadrature points, which are 0 at rest; zero if stresses follow from displacements alone.
     fn history(&self) -> usize;
 
     /// History variables after full relaxation at constant displacements.
@@ -144,16 +144,16 @@ pub trait ElementLoop<const D: usize>: Send + Sync {
     /// History variables at the end of a step, and its heat.
     fn advance(&self, step: &Step) -> Advance;
 
-    /// Energy stored by strains and history variables, without the relaxing part `[energy]`.
+    /// Energy stored by strains and history variables, without that of relaxing (Maxwell) branches `[energy]`.
     fn strain_energy(&self, at: BodyState) -> f64;
 
-    /// Relaxing stored energy: that of the Maxwell branches `[energy]`.
+    /// Energy stored in relaxing (Maxwell) branches `[energy]`.
     fn relaxing_energy(&self, history: &[f64]) -> f64;
 
     /// Cell with the smallest determinant of the deformation gradient, and the determinant.
     fn smallest_determinant(&self, u: &[f64]) -> Inverted;
 
-    /// Visits stress and strain at all quadrature points, cell after cell of a batch.
+    /// Visits stress and strain at all quadrature points, one cell after another within a batch.
     fn visit_stresses(&self, at: BodyState, visit: &mut dyn FnMut(&PointStress));
 
     /// Visits the forces of all cells: index of the cell, and force on each of its nodes in the order of [`Self::cliques`] `[force]`:

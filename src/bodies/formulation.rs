@@ -7,10 +7,10 @@ use crate::materials::{Kinematics, Material};
 use crate::math::tolerances::AXIS;
 use crate::mesh::Mesh;
 
-/// Condition for the third direction of a body of plane cells; without effect on bodies in space.
+/// Condition for the third direction of plane cells; ignored for bodies in space.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Plane {
-    /// No stretch across the plane.
+    /// Plane strain: no stretch across the plane.
     #[default]
     Strain,
     /// Plane stress: the stretch across the plane follows from zero stress there. Forces are per thickness.
@@ -23,12 +23,12 @@ pub enum Plane {
 /// Treatment of the dilatation in an element.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Dilatation {
-    /// Dilatation of each quadrature point: locks for nearly incompressible materials.
+    /// Dilatation of each quadrature point: volumetric locking for nearly incompressible materials.
     #[default]
     Pointwise,
-    /// Mean dilatation of the element (Nagtegaal, Parks and Rice 1974; Simo, Taylor and Pister 1985), which does not lock.
+    /// Mean dilatation of the element (Nagtegaal, Parks and Rice 1974; Simo, Taylor and Pister 1985), without volumetric locking.
     Mean,
-    /// Dilatation linear in the element: no locking with biquadratic displacements, second order accurate.
+    /// Dilatation linear in the element: no volumetric locking with biquadratic displacements, second-order accurate.
     Linear,
 }
 
@@ -51,16 +51,16 @@ pub enum FormulationError {
         /// Name of the law.
         law: &'static str,
     },
-    /// Mean dilatation in plane stress, which would determine the stretch across the plane twice.
+    /// Mean dilatation in plane stress, where the stretch across the plane would be determined by two conditions.
     #[error("a dilatation of the cell does not go with plane stress, which leaves the volume free anyway")]
     MeanInPlaneStress,
-    /// Linear dilatation in cells that would lock, or whose pressure would be undetermined.
+    /// Linear dilatation in unsuitable cells, which would lock or leave the pressure undetermined.
     #[error("a linear dilatation is one of `quad9` or `hex27` cells, and these are `{cells}`")]
     LinearOfOthers {
         /// Name of the body's cell kind.
         cells: &'static str,
     },
-    /// Plane stress, plane strain or axisymmetry required for a body in space.
+    /// Plane stress, plane strain or axisymmetry requested for a body in space.
     #[error("a body of `{cells}` cells is in space: it is neither plane nor axisymmetric")]
     NotPlane {
         /// Name of the body's cell kind.
@@ -72,7 +72,7 @@ pub enum FormulationError {
         /// Smallest first coordinate `[length]`.
         x: f64,
     },
-    /// Linear strains, which the dilatation of a cell does not support.
+    /// Dilatation of the cell for a law of linear strains, which is not supported.
     #[error("a dilatation of the cell is one of large strains, and `{law}` is linear")]
     MeanOfLinear {
         /// Name of the law.
@@ -107,14 +107,14 @@ impl FormulationError {
     }
 }
 
-/// True if the dilatation can be linear in cells of a kind.
+/// True if cells of a kind support a linear dilatation.
 fn takes_linear(kind: CellKind) -> bool {
     matches!(kind, CellKind::Quad9 | CellKind::Hex27)
 }
 
 impl Formulation {
-    /// Default formulation for a mesh and a material: if the law is nearly incompressible, and cells and law allow it, the dilatation is
-    /// linear in biquadratic and triquadratic cells and one mean in all others.
+    /// Default formulation for a mesh and a material. If the law is nearly incompressible and splits off a volumetric energy, the
+    /// dilatation is linear in biquadratic and triquadratic cells and a mean in other cells that permit it; otherwise pointwise.
     pub fn suited(plane: Plane, mesh: &Mesh, material: &Material) -> Self {
         let can = plane != Plane::Stress && material.kinematics() == Kinematics::GreenLagrange && material.split().is_some();
         let dilatation = if !can || mesh.kinds().all(CellKind::has_one_point) || !material.hardly_changes_volume() {

@@ -16,7 +16,7 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
         self.physics.special.as_ref().map_or(0, |special| special.law.variables() * Q * WIDTH)
     }
 
-    /// History variables of a batch within those of all batches; empty if the law has none or `history` is empty.
+    /// History variables of batch `index` from those of all batches; empty if the law has none or `history` is empty.
     pub(super) fn history_of(&self, index: usize, history: &[f64]) -> Vec<Lanes<false>> {
         let size = self.history_per_batch();
         let own = history.get(index * size..(index + 1) * size).unwrap_or_default();

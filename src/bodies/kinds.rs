@@ -11,23 +11,23 @@ use crate::elements::{
 };
 use crate::mesh::Block;
 
-/// Space dimension with implemented cells.
+/// Marker type for a space dimension `D` for which cells are implemented.
 pub struct Space<const D: usize>;
 
 /// Selects the element loop of a mesh by its cell kind.
 pub trait Elements<const D: usize> {
-    /// The loop over the cells of a body.
+    /// Element loop over the cells of a body.
     ///
     /// # Errors
-    /// The first cell that is inside out in the mesh.
+    /// The first inverted cell of the mesh.
     fn elements(body: &BodyCells) -> Result<Box<dyn ElementLoop<D>>, Inverted>;
 }
 
-/// Element loops of all blocks of a body, evaluated in sequence.
+/// Element loops of the blocks of a body, under construction.
 struct Chosen<'a, const D: usize> {
     body: &'a BodyCells<'a>,
     loops: Vec<Box<dyn ElementLoop<D>>>,
-    /// Node spans of the blocks so far; later blocks add to the sums there.
+    /// Node number ranges of the blocks processed so far; sums over these nodes already have contributions, to which later blocks add.
     touched: Vec<Range<usize>>,
 }
 
@@ -45,7 +45,7 @@ impl<const D: usize> Chosen<'_, D> {
         Ok(())
     }
 
-    /// The loop over all blocks.
+    /// Element loop over all blocks.
     fn together(mut self) -> Box<dyn ElementLoop<D>> {
         match self.loops.pop() {
             Some(only) if self.loops.is_empty() => only,

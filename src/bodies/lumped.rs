@@ -11,15 +11,15 @@ use crate::integrators::{Derivative, Lumping};
 use crate::math::lanes::{Lanes, WIDTH};
 use crate::math::simd::{Kernel, dispatch};
 
-/// Row sum of a cell's mass, relative to the cell mass, below which it counts as zero: corners of straight quadratic triangles have 0,
-/// those of `hex27` 1/216.
+/// Row sum of a cell's mass, relative to the cell mass, below which it counts as zero: corners of straight quadratic triangles have row sum
+/// 0, corners of `hex27` 1/216.
 const LEAST_ROW_SUM: f64 = 1.0 / 5000.0;
 
 /// Masses of the nodes of eight cells.
 type NodalMasses<const A: usize> = [[f64; WIDTH]; A];
 
 impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: usize> Cells<D, S, L, A, Q> {
-    /// True if the row sums of the mass of every cell exceed the curvature and round-off error of a zero row sum.
+    /// True if all row sums of the mass of every cell exceed what curved edges and round-off make of a zero row sum.
     fn has_positive_row_sums(&self) -> bool {
         self.batches.iter().all(|batch| {
             let masses = self.nodal_masses(batch, true);
@@ -97,7 +97,7 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
 /// Derivatives of forces on nodes, as [`Workspace::tangent`].
 type Tangent<const D: usize, const A: usize> = [[[[Lanes<false>; D]; A]; D]; A];
 
-/// The stiffness of eight cells at displacements.
+/// Stiffness of eight cells at given displacements.
 struct Stiffness<'a, const D: usize, const S: usize, const L: usize, const A: usize, const Q: usize> {
     cells: &'a Cells<D, S, L, A, Q>,
     index: usize,

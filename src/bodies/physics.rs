@@ -1,4 +1,5 @@
-//! Laws of a body by its material and formulation: in the `S` components of the cells, or in `L` components where `S` do not suffice.
+//! Laws of a body by its material and formulation: in the `S` strain components of the cells, or in `L` components where a hoop strain, a
+//! strain across the plane, history variables or a cell dilatation require them.
 
 use std::sync::Arc;
 
@@ -24,9 +25,9 @@ pub struct BodyCells<'a> {
     pub formulation: Formulation,
     /// Number of the mesh's first node in the model.
     pub first_node: usize,
-    /// True if the time integrator averages the stress over a step.
+    /// True if the time integrator uses the mean stress over a step (mean-value discrete gradient).
     pub averages_stress: bool,
-    /// Viscosity that replaces all stresses of the material; `None` for the material itself.
+    /// Viscosity whose stress replaces the stress of the material; `None`: stress of the material.
     pub resistance: Option<&'a Viscosity>,
 }
 
@@ -41,9 +42,9 @@ impl<'a> BodyCells<'a> {
 pub(super) struct Physics<const S: usize, const L: usize> {
     /// Law at the quadrature points.
     pub(super) law: Arc<dyn BatchedLaw<S>>,
-    /// Special stress used in place of `law` where the strain components of the cells do not suffice.
+    /// Special stress, used in place of `law` if the strain components of the cells do not suffice.
     pub(super) special: Option<Special<L>>,
-    /// Law in space, for the stress across the plane; without its volumetric part in cells with a dilatation of their own.
+    /// Law in space, for the stress across the plane; without its volumetric part in cells with a cell dilatation.
     pub(super) spatial_law: Arc<dyn BatchedLaw<6>>,
     /// Law in plane stress, which determines the strain across the plane.
     plane_stress: Option<PlaneStress>,
@@ -83,7 +84,7 @@ impl<const S: usize, const L: usize> Physics<S, L> {
         if self.is_axisymmetric() { 3 } else { D }
     }
 
-    /// Strain and stress in space at a point of a batch with the history variables `kept`.
+    /// Green-Lagrange strain and stress in space at a point of a batch with the history variables `kept`.
     pub(super) fn seen(&self, strain: &Components<S>, hoop: Lanes<false>, kept: &[Lanes<false>], point: usize) -> BatchStress {
         let mut space = self.spatial_strain(strain, hoop);
         let (mut own, mut stress) = ([[Lanes::ZERO; L]], [[Lanes::ZERO; 6]]);
@@ -110,7 +111,7 @@ impl<const S: usize, const L: usize> Physics<S, L> {
         self.history_of(kept, point).and_then(|(law, kept)| law.shown(kept, lane))
     }
 
-    /// Law with history variables, and the variables of a point of a batch; `None` for other laws.
+    /// Law with history variables, and the history variables of a point of a batch; `None` for other laws.
     fn history_of<'a>(&self, kept: &'a [Lanes<false>], point: usize) -> Option<(&dyn HistoryLaw<L>, &'a [Lanes<false>])> {
         let law = self.special.as_ref()?.law.history()?;
         Some((law, &kept[point * law.variables()..][..law.variables()]))
@@ -132,8 +133,8 @@ impl<const S: usize, const L: usize> Physics<S, L> {
     }
 }
 
-/// An elastic law, with the mean-value discrete gradient where the time integrator averages the stress over a step. (The volumetric part of
-/// a law is a function of one number, which has but one discrete gradient.)
+/// Elastic law, with the mean-value discrete gradient if the time integrator averages the stress over a step. A volumetric law depends on
+/// one number, for which all discrete gradients coincide.
 fn of_step<const S: usize>(body: &BodyCells, law: Arc<dyn BatchedLaw<S>>) -> Arc<dyn BatchedLaw<S>>
 where
     MeanValue<S>: BatchedLaw<S>,
@@ -154,7 +155,7 @@ where
     if viscosity.is_none() { law } else { PointLaw::History(Arc::new(ViscousLaw::new(law, viscosity))) }
 }
 
-/// True for bodies whose stress depends on more than the present strain.
+/// True for bodies whose stress depends on history variables or strain rates.
 fn remembers(body: &BodyCells) -> bool {
     body.resistance.is_some() || body.material.history().is_some() || !body.material.viscosity().is_none()
 }

@@ -9,10 +9,10 @@ use super::workspace::Workspace;
 use crate::math::lanes::{Lanes, WIDTH};
 use crate::math::tensor::{mandel_index, mandel_scale};
 
-/// A batch in a state.
+/// Deformation, energies and history of a batch in a given state.
 struct Shown<const D: usize, const S: usize, const Q: usize> {
     deformation: Deformation<D, S, Q>,
-    /// Pressures of the dilatation of the cells, if they have one.
+    /// Pressures of the cell dilatation at the points, if the cells have one.
     pressures: Option<[Lanes<false>; MOST_POINTS]>,
     energies: [Lanes<false>; MOST_POINTS],
     /// History variables of the batch.
@@ -85,9 +85,9 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
         }
     }
 
-    /// [`ElementLoop::visit_forces`](super::ElementLoop::visit_forces): with the first Piola-Kirchhoff stress `P = J sigma F^-T` at the
-    /// points, `f_a = sum V P G_a - m N_a b` with the mass `m` of the point and the force per mass `b`, and around an axis in addition
-    /// `V P_33 N_a / R` along the radius.
+    /// Implements [`ElementLoop::visit_forces`](super::ElementLoop::visit_forces). With the first Piola-Kirchhoff stress `P = J sigma F^-T`
+    /// at the points, the mass `m` of a point and the force per mass `b`, the nodal force is `f_a = sum V P G_a - m N_a b`; a body of
+    /// revolution adds `V P_33 N_a / R` in radial direction.
     pub(super) fn visit_cell_forces(&self, at: BodyState, field: &ForcePerMass, visit: &mut dyn FnMut(usize, &[[f64; 3]])) {
         let mut work = Box::new(Workspace::<false, D, S, A, Q>::new(self.physics.strain));
         for (index, batch) in self.batches.iter().enumerate() {

@@ -3,7 +3,7 @@
 //! Means of four-node and eight-node cells are second-order accurate at the centers, and so are means of two neighboring triangles, whose
 //! errors cancel. A linear polynomial is fitted to these samples around each node and evaluated there (superconvergent patch recovery:
 //! Zienkiewicz and Zhu, International Journal for Numerical Methods in Engineering 33, 1992). At a surface the few cells at a node do not
-//! determine the slope, so the patch is extended by cells that share nodes with it.
+//! determine the slope, so that the patch is extended by cells that share nodes with it.
 
 use std::collections::BTreeMap;
 
@@ -13,12 +13,12 @@ use crate::elements::CellShape;
 use crate::math::tolerances::RECOVERY_AMPLIFICATION;
 use crate::mesh::Mesh;
 
-/// Maximum number of extensions of a patch by neighboring cells.
+/// Largest number of extensions of a patch by the cells that share nodes with it.
 const GROWTHS: usize = 3;
 
 /// Factors of nearby cells in the recovered value at each node of a mesh.
 pub struct Recovery {
-    /// Start of the cells of each node in `cells`, then the number of entries.
+    /// First entry of each node in the list `cells`, and the number of entries at the end.
     starts: Vec<usize>,
     cells: Vec<(u32, f64)>,
 }
@@ -56,10 +56,10 @@ struct Sample {
 /// Mesh, samples and connectivity from which patches are built.
 struct Patches<'a> {
     mesh: &'a Mesh,
-    /// The cells at each node.
+    /// Cells at each node.
     around: Vec<Vec<u32>>,
     samples: Vec<Sample>,
-    /// Samples that begin with each cell.
+    /// Indices of the samples whose first cell is the given cell.
     of_cell: Vec<Vec<usize>>,
 }
 
@@ -102,7 +102,8 @@ impl<'a> Patches<'a> {
         self.samples.push(Sample { cells: cells.to_vec(), place });
     }
 
-    /// Cells and their factors in the value at a node; `None` if no patch determines a slope in every direction, as in one layer of cells.
+    /// Cells with their factors in the recovered value at a node; `None` if no patch determines a slope in every direction, as in a single
+    /// layer of cells.
     fn factors(&self, node: usize) -> Option<BTreeMap<u32, f64>> {
         let mut patch = self.around[node].clone();
         for _ in 0..=GROWTHS {
@@ -122,7 +123,7 @@ impl<'a> Patches<'a> {
         None
     }
 
-    /// Cells of a patch and all cells that share a node with one of these, in order.
+    /// Cells of a patch, extended by all cells that share a node with it, in ascending order.
     fn grown(&self, patch: &[u32]) -> Vec<u32> {
         let nodes = patch.iter().flat_map(|&cell| self.mesh.cell(cell as usize));
         let mut cells: Vec<u32> = nodes.flat_map(|&node| self.around[node as usize].iter().copied()).collect();
@@ -132,8 +133,8 @@ impl<'a> Patches<'a> {
     }
 
     /// Factors of samples in the nodal value of the least-squares linear polynomial; `None` if they would amplify errors of the samples.
-    /// With the values `P` of the polynomials, all but the first of which vanish at the node, the factors are `P (P^T P)^-1 e_1`, and the
-    /// sum of their squares is the first entry of `(P^T P)^-1`.
+    /// With the matrix `P` of polynomial values at the samples, and polynomials of which only the first is nonzero at the node, the factors
+    /// are `P (P^T P)^-1 e_1`, and the sum of their squares is the first entry of `(P^T P)^-1`.
     fn fitted(&self, node: usize, samples: &[&Sample]) -> Option<Vec<f64>> {
         let arm = |sample: &&Sample| -> [f64; 3] { std::array::from_fn(|i| sample.place[i] - self.mesh.points[node][i]) };
         let arms: Vec<[f64; 3]> = samples.iter().map(arm).collect();

@@ -1,9 +1,7 @@
 //! Rigid bodies: the motion of all nodes of a mesh follows from `D + 1` of them.
 //!
-//! A body whose strain is zero moves affinely, so the position of every point follows from `D + 1` nodes in general position, its
-//! *masters*:
-//! `x(X) = sum_i a_i(X) x_i` with the barycentric coordinates `a_i` of the point at rest. With them as unknowns the mass matrix is
-//! constant,
+//! An affine motion is determined by `D + 1` nodes in general position, the *masters*: `x(X) = sum_i a_i(X) x_i` with the barycentric
+//! coordinates `a_i` of the point in the reference positions. With the positions of the masters as unknowns the mass matrix is constant,
 //!
 //! ```text
 //! M_ij = int rho a_i a_j dV = m a_i(X_c) a_j(X_c) + grad a_i . E grad a_j          X_c center of mass, E Euler tensor about it
@@ -56,8 +54,8 @@ impl Inertia {
         Inertia { mass, center, euler: std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j))) }
     }
 
-    /// Returns the inertia of a plane body from its mass, its center, and the moment of inertia about the center. Rotations depend only on
-    /// the sum of both second moments.
+    /// Returns the inertia of a plane body from its mass, its center, and the moment of inertia about the center; plane rotations depend on
+    /// the trace of the Euler tensor only.
     pub fn in_plane(mass: f64, center: [f64; 3], moment: f64) -> Self {
         let mut euler = [[0.0; 3]; 3];
         (euler[0][0], euler[1][1]) = (0.5 * moment, 0.5 * moment);
@@ -83,7 +81,7 @@ impl Inertia {
     }
 }
 
-/// Mass, center and Euler tensor of cells, by their consistent mass matrix: it integrates affine functions exactly.
+/// Inertia of a mesh from its consistent mass matrix, which integrates affine functions exactly.
 fn of_cells<const D: usize>(mesh: &Mesh, material: &Material, formulation: Formulation) -> Result<Inertia, Inverted>
 where
     Space<D>: Elements<D>,
@@ -112,19 +110,19 @@ where
 pub struct Frame {
     /// Masters: `D + 1` nodes of the mesh.
     pub masters: Vec<u32>,
-    /// Gradients of the barycentric coordinates of the masters `[1/length]`.
+    /// Gradients of the barycentric coordinates of the masters in the reference positions `[1/length]`.
     gradients: Vec<Vector3<f64>>,
     /// Reference position of the first master `[length]`.
     origin: Vector3<f64>,
 }
 
 impl Frame {
-    /// Returns the frame of a mesh, with masters as far from each other as possible; `None` if all nodes lie in one plane (in the plane: on
+    /// Returns the frame of a mesh, with masters as far from each other as possible; `None` if all nodes lie in one plane (plane bodies: on
     /// one line).
     pub fn new(mesh: &Mesh) -> Option<Self> {
         let dimension = mesh.dimension();
         let point = |node: usize| Vector3::from(mesh.points[node]);
-        // Of nodes that are equally far the first: round-off of a translated mesh must not decide.
+        // Among equally far nodes the first is chosen; round-off of a translated mesh must not decide.
         let farthest = |size: &dyn Fn(usize) -> f64| {
             let largest = (0..mesh.points.len()).map(size).fold(0.0, f64::max);
             (0..mesh.points.len()).find(|&node| size(node) >= (1.0 - tolerances::EQUALLY_FAR) * largest)
@@ -174,10 +172,10 @@ impl Frame {
     }
 }
 
-/// Distance from the plane (line, point) of the previous masters, relative to the mesh size, below which nodes count as coplanar.
+/// Distance from the plane (line, point) of the masters already chosen, relative to the mesh size, below which nodes count as coplanar.
 const FLAT: f64 = tolerances::FLAT_FRAME;
 
-/// Fraction of a rigid body's mass shared equally by the nodes tied to it.
+/// Fraction of a rigid body's mass that is moved from the masters to the nodes tied to it, in equal parts.
 const TIED_PART: f64 = 0.125;
 
 /// A rigid body as an [`ElementLoop`]: it has mass, but no internal force.
@@ -188,14 +186,14 @@ pub struct RigidMass {
     masses: Vec<Vec<f64>>,
     /// Nodes tied to the masters, each with its part of the mass.
     tied: Vec<(u32, f64)>,
-    /// Blocks between masters, row by row, then those of the tied nodes, and the columns of all nodes.
+    /// Matrix blocks between masters, row by row, followed by those of the tied nodes; `columns`: matrix columns of all nodes.
     blocks: Vec<Block>,
     tied_blocks: Vec<Block>,
     columns: Vec<Range<usize>>,
 }
 
 impl RigidMass {
-    /// Mass of a body at its masters; node numbers start at `first_node`.
+    /// Mass of a rigid body at its masters; node numbers of the mesh start at `first_node` in the model.
     pub fn new(mesh: &Mesh, frame: &Frame, inertia: &Inertia, first_node: usize) -> Self {
         RigidMass {
             cliques: vec![frame.masters.iter().map(|node| node + first_node as u32).collect()],
@@ -208,8 +206,8 @@ impl RigidMass {
         }
     }
 
-    /// Transfers part of the mass from the masters to nodes tied to them with these coefficients: energy and momenta are unchanged while
-    /// the ties hold, and the equations of the tied nodes get inertia.
+    /// Transfers part of the mass from the masters to the tied nodes, given with their coefficients of the masters: energy and momenta are
+    /// unchanged while the ties hold, and the equations of the tied nodes get inertia.
     pub fn tied_to<'a>(mut self, tied: impl ExactSizeIterator<Item = &'a (u32, Vec<f64>)>) -> Self {
         let total: f64 = self.masses.iter().flatten().sum();
         let part = TIED_PART * total / tied.len() as f64;

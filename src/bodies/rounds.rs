@@ -9,10 +9,11 @@
 
 use std::ops::Range;
 
-/// Number of cells below which one thread is used: waking another takes longer than it saves. Sums are ordered by rounds anyway.
+/// Number of cells below which a single thread is used, since waking another one takes longer than it saves. The order of summation is the
+/// same.
 pub(super) const LEAST_CELLS_FOR_THREADS: usize = 2000;
 
-/// Least number of cells per run, for efficient threads, and largest number of runs of a body.
+/// Smallest number of cells per run, for efficient threads; `MOST_RUNS`: largest number of runs of a body.
 const LEAST_CELLS: usize = 128;
 const MOST_RUNS: usize = 16;
 
@@ -23,12 +24,12 @@ pub(super) struct Run {
     pub(super) cells: Range<usize>,
     /// Smallest range of node numbers that has all nodes of the run.
     pub(super) nodes: Range<usize>,
-    /// Node ranges of the span without contributions of earlier rounds: sums begin with this run.
+    /// Ranges within `nodes` to which no earlier round contributes, so that this run assigns the sums there and does not add to them.
     pub(super) fresh: Vec<Range<usize>>,
 }
 
-/// Rounds of given cells of a body, each in ascending order of its nodes; runs consist of whole groups of `together` cells. `touched`
-/// contains the node ranges of the preceding cells, in ascending order, and is extended by those of these cells.
+/// Divides the cells of a block into rounds, each in ascending order of its nodes; runs consist of whole groups of `together` cells.
+/// `touched` contains the node ranges of the preceding blocks in ascending order, and is extended by those of this block.
 pub(super) fn rounds(cells: &[Vec<u32>], together: usize, touched: &mut Vec<Range<usize>>) -> Vec<Vec<Run>> {
     let length = cells.len().div_ceil(MOST_RUNS).max(LEAST_CELLS).next_multiple_of(together);
     let mut rounds: Vec<Vec<Run>> = Vec::new();
@@ -57,7 +58,7 @@ pub(super) fn rounds(cells: &[Vec<u32>], together: usize, touched: &mut Vec<Rang
     rounds
 }
 
-/// Parts of a range outside of other, ascending ranges.
+/// Parts of a range that lie outside of other, ascending ranges.
 fn without(range: Range<usize>, others: &[Range<usize>]) -> Vec<Range<usize>> {
     let (mut left, mut start) = (Vec::new(), range.start);
     for other in others {
@@ -86,7 +87,7 @@ pub(super) fn pieces(mut data: &mut [f64], ranges: impl Iterator<Item = Range<us
 mod tests {
     use super::*;
 
-    /// Rows of quadrilaterals as a generator numbers them.
+    /// Cells of a grid of quadrilaterals, numbered row by row like those of a generator.
     fn strip(rows: usize, columns: usize) -> Vec<Vec<u32>> {
         let node = |i: usize, j: usize| (i * (columns + 1) + j) as u32;
         let cell = |k: usize| (k / columns, k % columns);

@@ -1,5 +1,5 @@
-//! Special stresses of a batch, which depend on more than the point's strain in the components of the cell: hoop strain of bodies of
-//! revolution, and mean dilatation of cells.
+//! Special stresses of a batch, which require more than the strain of a point in the components of the cell: hoop strain of bodies of
+//! revolution, dilatation of cells, history variables.
 //!
 //! Separate from the common element loop, because most bodies do not need them. Contributions beyond the cell's own components are added
 //! during the summation:
@@ -18,11 +18,11 @@ use crate::materials::{BatchedLaw, Components, HistoryLaw, IncrementResponse, Re
 use crate::math::lanes::{Lanes, Real, relabel, relabel_rows};
 use crate::math::simd::{Kernel, dispatch};
 
-/// Law of `L` components (four in the plane, including the one across), and the energy of a dilatation of the cell.
+/// Special stress: law of `L` components (four in the plane, including the one across), and the volumetric energy of a cell dilatation.
 pub(super) struct Special<const L: usize> {
-    /// Law at the points; without its volumetric part in cells with a dilatation of their own.
+    /// Law at the points; without its volumetric part in cells with a cell dilatation.
     pub(super) law: PointLaw<L>,
-    /// Volumetric part, if the dilatation belongs to the cell; otherwise `None`.
+    /// Volumetric part of the law for a cell dilatation; `None` without cell dilatation.
     pub(super) volumetric: Option<Arc<dyn VolumetricLaw>>,
     /// True if the dilatation is linear in the cell; false for a mean.
     pub(super) is_linear: bool,
@@ -52,16 +52,16 @@ impl<const L: usize> PointLaw<L> {
     }
 }
 
-/// Time integration of a batch in a step: derivative, history variables at the start, step size.
+/// Data of a step for a batch: algorithmic gradient, history variables at the start, step size.
 #[derive(Clone, Copy)]
 pub(super) struct BatchStep<'a> {
     pub(super) derivative: Derivative,
-    /// History variables of the batch.
+    /// History variables of the batch at the start of the step.
     pub(super) history: &'a [Lanes<false>],
     pub(super) dt: f64,
 }
 
-/// Kind of history-law stress that corresponds to an algorithmic gradient.
+/// Kind of stress of a law with history variables that corresponds to an algorithmic gradient.
 pub(super) fn stress_of(derivative: Derivative) -> StressOf {
     match derivative {
         Derivative::DiscreteGradient => StressOf::Step,
@@ -74,21 +74,21 @@ pub(super) fn stress_of(derivative: Derivative) -> StressOf {
 pub(super) struct SpecialPoints<const D: usize> {
     pub(super) count: usize,
     pub(super) volume: [Lanes<false>; MOST_POINTS],
-    /// Undeformed places, from the last node of each cell.
+    /// Undeformed positions of the points relative to the last node of each cell.
     pub(super) places: [[Lanes<false>; D]; MOST_POINTS],
     pub(super) gradients: [[[[Lanes<false>; D]; D]; MOST_POINTS]; 2],
     /// Hoop displacement gradients at the start and at the end of the step.
     pub(super) hoop: [[Lanes<false>; MOST_POINTS]; 2],
 }
 
-/// Stresses of a step with their derivatives with respect to the strains at the end, and the contributions of a dilatation of the cell.
+/// Stresses of a step with their derivatives with respect to the strains at the end, and the data of a cell dilatation.
 pub(super) struct Answer<const L: usize> {
     pub(super) responses: [Response<L>; MOST_POINTS],
-    /// Derivatives with respect to the strain increment, for a stress in the middle of a step that also depends on it.
+    /// Derivatives with respect to the strain increment, for a mid-step stress that also depends on the increment.
     pub(super) rates: Option<Box<[Response<L>; MOST_POINTS]>>,
-    /// `DG[J]` and, at the trial configuration, `dJ/dE`.
+    /// For each point: `DG[J]`, and `dJ/dE` at the trial configuration.
     pub(super) ratios: [[Components<L>; 2]; MOST_POINTS],
-    /// Modes of the cell's dilatation and derivatives of its pressures ([`Modes::slopes`]); `None` without one.
+    /// Modes of the cell dilatation and derivatives of its pressures ([`Modes::slopes`]); `None` without cell dilatation.
     pub(super) dilatation: Option<(Modes, [[Lanes<false>; MOST_MODES]; MOST_MODES])>,
 }
 
@@ -112,7 +112,7 @@ impl<const L: usize> Special<L> {
         strains
     }
 
-    /// Strains of the mean displacement gradients of the ends of two steps.
+    /// Strains of the mean of two displacement gradients: those at the ends of `from` and `to`.
     pub(super) fn middles<const D: usize>(&self, from: &SpecialPoints<D>, to: &SpecialPoints<D>) -> [Components<L>; MOST_POINTS] {
         let mut strains = [[Lanes::ZERO; L]; MOST_POINTS];
         for q in 0..to.count {
@@ -121,7 +121,7 @@ impl<const L: usize> Special<L> {
         strains
     }
 
-    /// Strain differences between the ends of two steps.
+    /// Strain increments between the ends of `from` and `to`, without cancellation.
     pub(super) fn changes<const D: usize>(&self, from: &SpecialPoints<D>, to: &SpecialPoints<D>) -> [Components<L>; MOST_POINTS] {
         let mut changes = [[Lanes::ZERO; L]; MOST_POINTS];
         for q in 0..to.count {
@@ -130,7 +130,7 @@ impl<const L: usize> Special<L> {
         changes
     }
 
-    /// Energy of each cell at the end of a step, with the history variables `history` at that time.
+    /// Stored energy of each cell at the end of a step, with the history variables `history` there.
     pub(super) fn energy<const D: usize>(&self, points: &SpecialPoints<D>, history: &[Lanes<false>]) -> Lanes<false> {
         let (energies, mut sum) = (self.densities(points, history), Lanes::ZERO);
         for q in 0..points.count {
@@ -158,7 +158,7 @@ impl<const L: usize> Special<L> {
         energies
     }
 
-    /// Pressures of the cell's dilatation at the points at the end of a step; zero without one.
+    /// Pressures of the cell dilatation at the points at the end of a step; zero without cell dilatation.
     pub(super) fn pressures<const D: usize>(&self, points: &SpecialPoints<D>) -> [Lanes<false>; MOST_POINTS] {
         let Some(law) = &self.volumetric else { return [Lanes::ZERO; MOST_POINTS] };
         let modes = self.modes(points);
@@ -176,13 +176,13 @@ impl<const D: usize> SpecialPoints<D> {
         &self.volume[..self.count]
     }
 
-    /// Volume ratio less 1 of a point at the end of the step.
+    /// Volume ratio minus 1 of a point at the end of the step.
     fn change(&self, q: usize) -> Lanes<false> {
         change(&self.gradients[1][q], self.hoop[1][q])
     }
 }
 
-/// Volume ratio less 1; `hoop` is zero in plane strain and in space.
+/// Volume ratio minus 1; `hoop` is zero in plane strain and in space.
 #[inline(always)]
 fn change<const FMA: bool, const D: usize>(h: &[[Lanes<FMA>; D]; D], hoop: Lanes<FMA>) -> Lanes<FMA> {
     let inner = volume_change(h);
@@ -241,7 +241,7 @@ impl<const D: usize, const L: usize> Kernel for Respond<'_, D, L> {
         let (volumes, modes) = (points.volumes(), special.modes(points));
         let theta = |k: usize| modes.projected(volumes, |q| changes[k][q]);
         let (theta, mut of_points) = ([theta(0), theta(1), theta(2)], [Pressure::ZERO; MOST_POINTS]);
-        // A mean dilatation is equal at all points.
+        // With a mean dilatation the pressure is equal at all points and computed once.
         for q in 0..if special.is_linear { count } else { 1 } {
             of_points[q] = match derivative {
                 Derivative::DiscreteGradient => Pressure::between(&**law, theta[0][q], theta[1][q]),
@@ -271,7 +271,7 @@ impl<const D: usize, const L: usize> Kernel for Respond<'_, D, L> {
     }
 }
 
-/// Contribution of the law to stresses and their derivatives, for strains at start, end and middle; at most [`MOST_POINTS`].
+/// Stresses and derivatives of the law, without the cell dilatation, for strains at start, end and middle; at most [`MOST_POINTS`].
 #[inline(always)]
 pub(super) fn law_responses<const FMA: bool, const L: usize>(
     law: &dyn BatchedLaw<L>,

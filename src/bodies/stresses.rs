@@ -1,6 +1,6 @@
 //! Stresses and strains of a body: at quadrature points, as cell means, at nodes, with error estimates.
 //!
-//! Tensors have the components xx, yy, zz, xy, yz, xz; the stress is Cauchy's, the strain Green and Lagrange's.
+//! Tensors have the components xx, yy, zz, xy, yz, xz; the stress is the Cauchy stress, the strain the Green-Lagrange strain.
 
 use std::ops::Range;
 
@@ -14,7 +14,8 @@ pub struct Stresses {
     pub stress: Vec<[f64; 6]>,
     /// Green-Lagrange strain.
     pub strain: Vec<[f64; 6]>,
-    /// Equivalent plastic strain and the norm of the back stress `[stress]`, as the first two entries.
+    /// Equivalent plastic strain, norm of the back stress `[stress]` and stored energy `[energy/volume]`, then three zeros: six entries, so
+    /// that they are averaged like tensors.
     pub kept: Vec<[f64; 6]>,
 }
 
@@ -51,7 +52,7 @@ impl Stresses {
             values.iter_mut().zip(&weight).for_each(|(value, weight)| *value = value.map(|value| value / weight));
             recovery.recovered(means).for_each(|(node, value)| values[node] = value);
         }
-        // Extrapolation beyond the border of the plastic zone, and of an energy near zero, gives negative values.
+        // Extrapolation makes nonnegative values negative near the border of the plastic zone; they are set to 0.
         values.kept.iter_mut().flatten().for_each(|value| *value = value.max(0.0));
         values
     }
@@ -60,11 +61,11 @@ impl Stresses {
 /// Difference of the stresses of cells from a continuous stress, as integrals of squares (Zienkiewicz and Zhu, International Journal for
 /// Numerical Methods in Engineering 24, 1987).
 pub struct StressError {
-    /// Integral of the squared difference over all cells `[stress^2 volume]`.
+    /// Integral of the squared stress difference over all cells `[stress^2 volume]`.
     off: f64,
     /// Integral of the squared continuous stress `[stress^2 volume]`.
     size: f64,
-    /// Integral of the squared difference over the cells at each node, and the volume of these cells.
+    /// Integral of the squared stress difference over the cells at each node, and the volume of these cells.
     at_nodes: Vec<[f64; 2]>,
 }
 
@@ -90,12 +91,12 @@ impl StressError {
         error
     }
 
-    /// Error relative to the size of the stress; 0 without stress.
+    /// Relative stress error, `sqrt(off/size)` of the integrals; 0 without stress.
     pub fn relative(&self) -> f64 {
         if self.size > 0.0 { (self.off / self.size).sqrt() } else { 0.0 }
     }
 
-    /// Root mean square over the cells at each node `[stress]`.
+    /// Root mean square of the stress difference over the cells at each node `[stress]`.
     pub fn at_nodes(&self) -> Vec<f64> {
         self.at_nodes.iter().map(|&[off, volume]| if volume > 0.0 { (off / volume).sqrt() } else { 0.0 }).collect()
     }

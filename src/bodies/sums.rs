@@ -6,7 +6,7 @@ use super::batch::many;
 use crate::math::lanes::{Lanes, Real};
 use crate::math::tensor::{mandel_index, mandel_scale};
 
-/// Sets the contribution of the last node to the negative sum of the others.
+/// Sets the force of the last node to the negative sum of the forces of the other nodes.
 #[inline(always)]
 pub(super) fn finish_force<const FMA: bool, const D: usize, const A: usize>(force: &mut [[Lanes<FMA>; D]; A]) {
     for i in 0..D {

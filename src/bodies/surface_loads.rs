@@ -76,8 +76,8 @@ pub fn face_pressure(nodes: &[[f64; 3]]) -> [[f64; 3]; MOST_FACE_NODES] {
     forces
 }
 
-/// The derivative of [`face_pressure`] at node `a` with respect to the place of node `b` is `x -> arms[a][b] x x`, the cross product with
-/// `int N_a (dN_b/d1 t_2 - dN_b/d2 t_1)`, `t` the tangents of the face.
+/// Derivative of [`face_pressure`]: the force on node `a` changes by `arms[a][b] x v` (cross product) if node `b` moves by `v`, with
+/// `arms[a][b] = int N_a (dN_b/d1 t_2 - dN_b/d2 t_1)` and the tangents `t` of the face.
 pub fn face_pressure_arms(nodes: &[[f64; 3]]) -> [[[f64; 3]; MOST_FACE_NODES]; MOST_FACE_NODES] {
     let mut arms = [[[0.0; 3]; MOST_FACE_NODES]; MOST_FACE_NODES];
     for point in face_points(nodes.len()) {
@@ -95,7 +95,7 @@ pub fn face_pressure_arms(nodes: &[[f64; 3]]) -> [[[f64; 3]; MOST_FACE_NODES]; M
 type Block = [[f64; 2]; 2];
 
 /// Forces of a unit pressure on an edge of a body of revolution with nodes at `nodes`, `2 pi int N_a r z x dx`, and their derivative:
-/// `[a][b][i][k]` is that of component `i` at node `a` with respect to component `k` at node `b`.
+/// `[a][b][i][k]` is the derivative of component `i` at node `a` with respect to coordinate `k` of node `b`.
 pub fn round_pressure(nodes: &[[f64; 2]]) -> ([[f64; 2]; 3], [[Block; 3]; 3]) {
     let (mut force, mut slope) = ([[0.0; 2]; 3], [[[[0.0; 2]; 2]; 3]; 3]);
     for (s, weight) in edge_points() {
@@ -139,7 +139,7 @@ pub fn torque_forces<const D: usize>(weights: &[(u32, f64)], q: &[f64], moment: 
         let r = place(node) - center;
         inertia += (Matrix3::identity() * r.norm_squared() - r * r.transpose()) * w;
     }
-    // In the plane only the polar moment is needed.
+    // In the plane `omega` follows from the polar moment alone.
     let omega = match D {
         2 => Some(Vector3::new(0.0, 0.0, moment[2] / inertia.m33)).filter(|_| inertia.m33 > 0.0),
         _ => inertia.try_inverse().map(|inverse| inverse * Vector3::from(moment)),

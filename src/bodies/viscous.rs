@@ -1,4 +1,4 @@
-//! Viscosity in addition to another law: stresses proportional to the strain increment of a step, and relaxing branches.
+//! Viscosity in addition to another law: stresses proportional to the strain rate of a step, and relaxing (Maxwell) branches.
 //!
 //! With the Green-Lagrange strain `E`, in a step from `E_0` to `E_1` of size `dt` (formulas: [`Viscosity`]):
 //!
@@ -8,8 +8,9 @@
 //! heat      dt (2 eta D:D + zeta tr(D)^2) + sum 2 mu h Y_mid:Y_mid
 //! ```
 //!
-//! This stress does not depend on the kind of stress requested of the base law. It acts in the configuration of the step's forces; if that
-//! is the middle, its work on the strain increment equals the energy stored by branches plus the heat. At rest it has relaxed.
+//! This stress is the same for every kind of stress that is requested of the base law. It acts in the configuration of the step's forces;
+//! if that is mid-step, its work on the strain increment equals the energy stored by branches plus the heat. At rest the viscous stress is
+//! zero.
 //!
 //! History variables of a point: those of the base law; the strain `Y` of each branch; the viscous stress, for fields.
 
@@ -26,15 +27,15 @@ pub(super) struct ViscousLaw<const S: usize> {
     viscosity: Viscosity,
 }
 
-/// Viscous part of a step at a point.
+/// Viscous contribution to a step at a point.
 struct Contribution<const S: usize> {
     stress: Components<S>,
-    /// Viscous stress by the strain rate.
+    /// Viscous stress due to the strain rate, without branches.
     of_rate: Components<S>,
     heat: Lanes<false>,
 }
 
-/// `a` and `b` of the tangent `a I_4 + b I (x) I` `[stress]`.
+/// Coefficients `a` (`identity`) and `b` (`volume`) of the tangent `a I_4 + b I (x) I` `[stress]`.
 struct Moduli {
     identity: f64,
     volume: f64,
@@ -56,7 +57,7 @@ impl<const S: usize> ViscousLaw<S> {
         self.base.as_ref().map_or(0, PointLaw::variables)
     }
 
-    /// Places of the branches among the history variables of a point.
+    /// Indices of the branch strains among the history variables of a point.
     fn branches(&self) -> Range<usize> {
         let first = self.of_base();
         first..first + S * self.viscosity.branches.len()
@@ -114,7 +115,7 @@ impl<const S: usize> ViscousLaw<S> {
 }
 
 impl Moduli {
-    /// Adds the tangent.
+    /// Adds `a I_4 + b I (x) I` to a tangent.
     fn add_to<const S: usize>(&self, tangent: &mut [Components<S>; S]) {
         for (k, row) in tangent.iter_mut().enumerate() {
             row[k] = row[k] + self.identity;
@@ -133,7 +134,7 @@ fn dot<const S: usize>(a: &Components<S>, b: &Components<S>) -> Lanes<false> {
     a.iter().zip(b).fold(Lanes::ZERO, |sum, (a, b)| sum + *a * *b)
 }
 
-/// Stresses and tangents of an elastic law in a step.
+/// Stresses and tangents of an elastic base law in a step.
 struct OfElastic<'a, 'b, const S: usize> {
     law: &'a dyn BatchedLaw<S>,
     step: &'a StrainStep<'b, S>,
@@ -300,7 +301,7 @@ mod tests {
     use crate::math::workers::Workers;
     use crate::mesh::{Mesh, block, rectangle};
 
-    /// A viscous body of few cells with displacements at start and end of a step.
+    /// Viscous body of a few cells, with displacements at start and end of a step.
     struct Body<const D: usize> {
         elements: Box<dyn ElementLoop<D>>,
         pattern: Pattern,
@@ -343,7 +344,7 @@ mod tests {
         fn tangent_is_the_derivative_of_the_force(&self, name: &str) {
             let [u_0, u_1] = &self.ends;
             let at_rest = self.elements.relaxed(BodyState { u: u_1, history: &vec![0.0; self.elements.history()] });
-            // A backward step, for nonzero history variables.
+            // A step back from the end to the start makes the history variables nonzero.
             let history = self.elements.advance(&Self::step(Derivative::DiscreteGradient, [u_1, u_0], &at_rest)).history;
             for derivative in Derivative::ALL {
                 let mut values = vec![0.0; self.pattern.values()];
@@ -360,7 +361,7 @@ mod tests {
                         for i in 0..D {
                             let difference = (up[node as usize * D + i] - down[node as usize * D + i]) / (2.0 * h);
                             let value = values[place.at(i, unknown % D)];
-                            // Values are some hundreds, around the axis some thousands: truncation h^2, round-off 1e-16/h.
+                            // Values are of the order 100, in bodies of revolution 1000: truncation error h^2, round-off 1e-16/h.
                             assert!((difference - value).abs() < 1e-5, "{name} {derivative:?}: {difference} {value}");
                         }
                     }
@@ -382,7 +383,7 @@ mod tests {
                 let heat = after.viscous + after.plastic;
                 assert!(after.viscous > 0.0 && after.plastic >= 0.0 && energy > 0.0, "{name}");
                 let defect = work / step.weight - (energy - stored) - heat;
-                // Round-off of energies of a hundred times a volume.
+                // The tolerance is the round-off of energies of the order 100 times a volume.
                 assert!(defect.abs() < 1e-13 * (work.abs() + energy + heat).max(10.0), "{name}: {defect:e}");
                 (stored, history) = (energy, after.history);
                 std::mem::swap(&mut from, &mut to);

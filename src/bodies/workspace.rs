@@ -21,7 +21,7 @@ pub(super) struct Workspace<const FMA: bool, const D: usize, const S: usize, con
     pub(super) strain_1: [Components<S>; Q],
     increments: [IncrementResponse<S>; Q],
     pub(super) responses: [Response<S>; Q],
-    /// True if `responses` are already the algorithmic stresses of the step; false if these follow from the responses of the law.
+    /// True if `responses` are the algorithmic stresses of the step; false if these must still be computed from the responses of the law.
     pub(super) is_final: bool,
     /// Forces on the nodes.
     pub(super) force: [[Lanes<FMA>; D]; A],
@@ -47,7 +47,7 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
         }
     }
 
-    /// The points of a batch.
+    /// Sets the quadrature points of a batch, without swelling.
     #[inline(always)]
     pub(super) fn set_points(&mut self, batch: &Batch<D, A>, table: &Table<D, A, Q>) {
         for q in 0..many::<Q>() {
@@ -71,7 +71,7 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
         }
     }
 
-    /// Returns the data of the batch for a special stress; `around` has the displacements at start and end for hoop gradients, if needed.
+    /// Returns the point data of the batch for a special stress. `around`: displacements at start and end, for hoop displacement gradients.
     #[inline(always)]
     pub(super) fn special_points(&self, batch: &Batch<D, A>, table: &Table<D, A, Q>, around: [Option<&[f64]>; 2]) -> SpecialPoints<D> {
         let mut points = SpecialPoints {
@@ -103,7 +103,7 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
         points
     }
 
-    /// Sets the responses to the algorithmic stresses of a special stress.
+    /// Replaces the responses by the algorithmic stresses of a special stress.
     #[inline(always)]
     pub(super) fn take<const L: usize>(&mut self, answer: &Answer<L>) {
         self.is_final = true;
@@ -112,7 +112,7 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
         }
     }
 
-    /// Displacement gradients and strains at the end of the step.
+    /// Sets displacement gradients and strains at the end of the step.
     #[inline(always)]
     pub(super) fn set_end(&mut self, batch: &Batch<D, A>, u_1: &[f64]) {
         let u = batch.displacements(u_1);
@@ -122,7 +122,7 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
         }
     }
 
-    /// Displacement gradients and strains at the start of the step.
+    /// Sets displacement gradients and strains at the start of the step.
     #[inline(always)]
     pub(super) fn set_start(&mut self, batch: &Batch<D, A>, u_0: &[f64]) {
         let u = batch.displacements(u_0);
@@ -139,7 +139,7 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
         for h in &self.gradient_1 {
             let determinant = determinant_and_cofactor(&deformation_gradient(h)).0;
             for lane in 0..WIDTH {
-                // A NaN determinant replaces the smallest one, so that the result is NaN.
+                // A NaN determinant replaces the minimum, so that the result is NaN.
                 let keep = smallest.0[lane] < determinant.0[lane] || smallest.0[lane].is_nan();
                 smallest.0[lane] = if keep { smallest.0[lane] } else { determinant.0[lane] };
             }
@@ -206,13 +206,14 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
         if self.strain == Strain::Linear { Lanes::splat(1.0) } else { cast::<FMA>(hoop) + 1.0 }
     }
 
-    /// Derivative of the configuration of the forces with respect to the end; 0 for linear strains, which have a fixed configuration.
+    /// Derivative of the configuration in which the forces act with respect to the end; 0 for linear strains, whose forces act in the
+    /// reference configuration.
     #[inline(always)]
     pub(super) fn geometric_share(&self, share: f64) -> f64 {
         if self.strain == Strain::Linear { 0.0 } else { share }
     }
 
-    /// Sums the weighted force over the points, with bytes equal to those of [`Self::integrate`].
+    /// Sums the weighted force over the points; bitwise equal to the force of [`Self::integrate`].
     #[inline(always)]
     pub(super) fn integrate_force(&mut self, derivative: Derivative, weight: f64) {
         let Placement { test, .. } = derivative.placement();
@@ -225,8 +226,8 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
         finish_force(&mut self.force);
     }
 
-    /// Sums weighted force and tangent over the points: `geometric` times the geometric part, and derivatives with respect to the strain
-    /// increment (`rates`) by variations at the end of the step.
+    /// Sums weighted force and tangent over the points. `geometric` is the factor of the geometric stiffness; `rates`, the derivatives with
+    /// respect to the strain increment, are multiplied by strain variations at the end of the step.
     #[inline(always)]
     pub(super) fn integrate<const L: usize>(
         &mut self,
@@ -311,7 +312,7 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
     }
 }
 
-/// Response in the `S` components of the cells, out of `L` components.
+/// Restriction of a response in `L` components to the `S` components of the cells.
 #[inline(always)]
 fn in_components<const L: usize, const S: usize>(response: &Response<L>) -> Response<S> {
     let mut own = Response::ZERO;

@@ -151,7 +151,7 @@ pub fn script_of(deck: &Deck, path: &str, name: &str) -> String {
     let is_in_millimeters =
         is_missing || densities.filter_map(|of| of.numbers.first()).any(|density| DENSITIES.contains(&(TONS * density)));
     let gravity = if is_in_millimeters { 9810.0 } else { 9.81 };
-    // in this time a body falls half of the size
+    // Time of a free fall of about the size of the model, `sqrt(size / g)`.
     let fall = if size > 0.0 { (size / gravity).sqrt() } else { 1.0 };
     say(format!("scene.gravity([0.0, {}-{gravity:?}]);", if dimension == 2 { "" } else { "0.0, " }));
     say(format!("let sim = simulate(scene, #{{ integrator: energy_momentum(), dt: param(\"dt\", {:.1e}) }});", fall / 200.0));

@@ -52,12 +52,13 @@ const SHARES: [[f64; DIFFERENCES]; ROLES] = [
     [ 0.0,  0.0,  0.0,  0.0,  1.0],
 ];
 
-/// Mortar contact of two surfaces with averaged nodal normals.
+/// Mortar contact kernel of two surfaces with averaged nodal normals.
 #[derive(Clone, Debug)]
 pub struct AveragedMortar {
     sides: Sides,
     search: PairSearch,
-    /// Nodes before and after each secondary facet; `None` across a corner sharper than 45 degrees and at ends of chains.
+    /// Nodes before and after each secondary facet, whose facets contribute to its nodal normals; `None` across a corner sharper than 45
+    /// degrees and at ends of chains.
     neighbors: Vec<[Option<u32>; 2]>,
     pairs: Vec<Pair>,
     start: Vec<Start>,
@@ -67,11 +68,11 @@ pub struct AveragedMortar {
 #[derive(Clone, Copy, Debug)]
 struct Pair {
     roles: [Option<u8>; ROLES],
-    /// Height profiles of the facets; `None` where both are straight.
+    /// Height profiles of both facets; `None` if both are straight.
     profiles: Option<PairProfiles>,
 }
 
-/// Positions and weighted gaps of a facet pair at the start of the step.
+/// Positions, difference vectors and weighted gaps of a facet pair at the start of the step.
 #[derive(Clone, Debug)]
 struct Start {
     positions: Vec<f64>,
@@ -99,7 +100,7 @@ impl AveragedMortar {
         self.sides.patches.nodes(p).iter().flat_map(|&node| [q[2 * node as usize], q[2 * node as usize + 1]]).collect()
     }
 
-    /// Sum over all facet pairs within the search horizon at `q` of `part`, per secondary node.
+    /// Sum of `part` over all facet pairs that take part at `q`, for each secondary node.
     fn sum(&self, q: &[f64], part: impl Fn(Pair, &[f64]) -> Option<Values<f64>>) -> Vec<f64> {
         let mut sums = vec![0.0; self.sides.secondary.nodes().len()];
         for (p, pair) in self.pairs.iter().enumerate().filter(|(p, _)| self.search.near[*p]) {
@@ -111,8 +112,8 @@ impl AveragedMortar {
     }
 }
 
-/// Nodes before and after a facet on its chain, where the surface is smooth in the reference positions. A normal averaged over a sharp
-/// corner belongs to neither facet, and points beside the corner would count as points in front of it.
+/// Nodes before and after a facet on its chain; `None` across sharp corners of the reference positions. A normal averaged over a sharp
+/// corner is normal to neither facet, and points beside the corner would count as points in front of it.
 fn neighbors(surface: &Surface, facet: usize, reference: &[f64]) -> [Option<u32>; 2] {
     let facets = surface.facets();
     let along = |facet: usize| {
@@ -129,7 +130,7 @@ fn neighbors(surface: &Surface, facet: usize, reference: &[f64]) -> [Option<u32>
 }
 
 impl Pair {
-    /// Difference vectors of the node positions `z`.
+    /// Difference vectors of the contact element with the node positions `z`.
     fn differences<T: Number>(self, z: &[T]) -> [T; VARIABLES] {
         let mut differences = [T::from(0.0); VARIABLES];
         for (role, shares) in self.roles.iter().zip(SHARES) {
@@ -156,7 +157,7 @@ impl Pair {
         weighted_gaps(&self.differences(z), self.has_neighbors(), self.profiles.as_ref()).map(|gaps| gaps.covered)
     }
 
-    /// Values and gradients of both weighted gaps; the gradients are concatenated.
+    /// Values of both weighted gaps, and their gradients, concatenated; `None` without overlap.
     fn gradients(self, z: &[f64]) -> Option<(WeightedGaps<f64>, Vec<f64>)> {
         let differences = self.differences(z);
         let variables = std::array::from_fn(|i| DualSVec64::<VARIABLES>::from_re(differences[i]).derivative(i));
@@ -197,7 +198,7 @@ impl Pair {
         }
     }
 
-    /// Adds a gradient with respect to the difference vectors, transformed to the node positions.
+    /// Transforms a gradient with respect to the difference vectors to the node positions, and adds it to `out`.
     fn pull_back(self, gradient: &[f64; VARIABLES], out: &mut [f64]) {
         for (role, shares) in self.roles.iter().zip(SHARES) {
             let Some(place) = role else { continue };

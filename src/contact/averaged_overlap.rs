@@ -43,8 +43,8 @@ pub(super) fn unit<T: Number>(a: Vector<T>) -> Vector<T> {
     [a[0] * inverse, a[1] * inverse]
 }
 
-/// Outward normal at the node between two facets with directions `own` and `other`: normalized mean of both. The facet's own normal without
-/// a neighbor, or where the two normals nearly cancel (folded surface).
+/// Outward normal at the node between two facets with directions `own` and `other`: normalized mean of both facet normals. Without a
+/// neighbor, or if both normals nearly cancel (folded surface), the normal of the own facet.
 pub(super) fn normal<T: Number>(own: Vector<T>, other: Vector<T>, has_other: bool) -> Vector<T> {
     let own = unit(own);
     let mean = if has_other {
@@ -77,7 +77,7 @@ pub(super) struct Point<T> {
     /// Integration weight `[length]`.
     pub(super) measure: T,
     pub(super) shapes: Values<T>,
-    /// Averaged normal `n(s)` (not normalized), and distance of the opposite point along it in lengths of `n`.
+    /// Averaged normal `n(s)`, not normalized, and distance of the opposite point along it, in units of `|n|`.
     pub(super) normal: Vector<T>,
     pub(super) alpha: T,
     /// Coordinate of the opposite point on the primary facet, 0 to 1.
@@ -91,7 +91,8 @@ impl<T: Number> AveragedOverlap<T> {
         let [before, t, after, y_1, y_2] = std::array::from_fn(vector);
         let (n_1, n_2) = (normal(t, before, has[0]), normal(t, after, has[1]));
         let turn = [n_2[0] - n_1[0], n_2[1] - n_1[1]];
-        // (y - s t) x (n_1 + s turn) = 0; the root that tends to the linear one as the normals become parallel.
+        // Condition `(y - s t) x (n_1 + s turn) = 0`, quadratic in `s`; the root that tends to the root of the linear equation as the
+        // normals become parallel.
         let opposite = |y: Vector<T>| {
             let (a, b, c) = (-cross(t, turn), cross(y, turn) - cross(t, n_1), cross(y, n_1));
             let discriminant = b * b - (a * c) * 4.0;
@@ -133,8 +134,8 @@ impl<T: Number> AveragedOverlap<T> {
     }
 }
 
-/// Distance from a facet to its curve along the direction `n` from the facet point `xi`, in lengths of `n`. `facet` is the facet vector,
-/// the body on its left.
+/// Distance from a facet to its curve, starting at the facet point `xi` in the direction `n`, in units of `|n|`. `facet` is the facet
+/// vector, with the body on its left.
 fn distance_to_curve<T: Number>(profile: &Profile, facet: Vector<T>, xi: T, n: Vector<T>) -> T {
     let square = facet[0] * facet[0] + facet[1] * facet[1];
     let along = (n[0] * facet[0] + n[1] * facet[1]) / square;
@@ -149,7 +150,7 @@ pub(super) fn weighted_gaps<T: Number>(z: &[T; VARIABLES], has: [bool; 2], profi
     let overlap = AveragedOverlap::new(z, has)?;
     let [y_1, y_2] = overlap.y;
     let primary = [y_2[0] - y_1[0], y_2[1] - y_1[1]];
-    // A secondary normal meets the primary facet in reverse order: profiles of primary facets begin at the second node.
+    // Along secondary normals the primary facet is traversed in reverse: profiles of primary facets begin at the second node.
     let curves = profiles.map(|PairProfiles([own, other])| [*own, other.reversed()]);
     for Point { measure, shapes, normal: n, mut alpha, opposite } in overlap.points(profiles.is_some()) {
         if let Some([own, other]) = &curves {

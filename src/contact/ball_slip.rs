@@ -25,14 +25,14 @@ const LEAST_TRACE: f64 = 0.25;
 
 /// Tangential constraints of the rotation of a ball joint.
 pub struct BallSlip {
-    /// Directions of both ends, in the reference positions those of the axes.
+    /// Directions of both ends, which coincide with the coordinate axes in the reference positions.
     vectors: Vec<PointVector>,
     size: f64,
     sides: Sides,
     slips: Patches,
 }
 
-/// Predicted motion for contact elements that are always present, so that nothing is searched.
+/// Empty predicted motion, for contact elements that are always present and need no search.
 const NOWHERE: PredictedMotion = PredictedMotion { q: &[], motion_bound: MotionBound::UpTo(0.0), reach: 0.0, depth: 0.0 };
 
 /// Products `a_i . b_j`.
@@ -113,7 +113,7 @@ impl PatchFunctions for BallSlip {
         let slope = if is_bounded { 0.0 } else { -factor / trace };
         let loaded = |by: f64| [by * lambda[0], by * lambda[1], by * lambda[2], 0.0];
         functions.evaluate_from(step.q_0, derivative, step.q_1, &loaded(factor), &mut moved);
-        // Forces at the end of the step act along the rotation from there on, whose change with the position is left out.
+        // Forces of the end-point rule use the rotation at the end of the step as reference; the derivative of this reference is omitted.
         let by = if is_mean { factor } else { 1.0 };
         if !is_mean {
             self.functions(&self.rotation(step.q_1)).evaluate_from(step.q_0, derivative, step.q_1, &loaded(1.0), &mut acting);
@@ -169,7 +169,7 @@ impl RigidObstacle for BallSlip {}
 mod tests {
     use super::*;
 
-    /// Directions that are nodes themselves: three of the ground, and the nodes 0, 1, 2.
+    /// Ball joint between the ground and the directions given by the nodes 0, 1, 2.
     fn slip() -> BallSlip {
         let fixed = |k: usize| PointVector { parts: Vec::new(), offset: std::array::from_fn(|i| f64::from(u8::from(i == k))) };
         let node = |k: usize| PointVector { parts: vec![(k as u32, 1.0)], offset: [0.0; 3] };
@@ -203,7 +203,7 @@ mod tests {
     fn slip_is_the_rotation_and_forces_do_its_work() {
         let (slip, n) = (slip(), [0.6, 0.0, 0.8]);
         for angle in [1e-3, 0.1, 1.0] {
-            // Relative to a start that is turned about the same axis.
+            // The slip is relative to the start: two rotations about the same axis.
             let (q_0, q_1) = (turned(n, 0.7), turned(n, 0.7 + angle));
             let out = evaluated(&slip, &q_0, &q_1, &[0.3, -0.2, 0.5]);
             for k in 0..3 {
@@ -211,7 +211,7 @@ mod tests {
                 let work: f64 = (0..9).map(|i| out.gradient_bar[9 * k + i] * (q_1[i] - q_0[i])).sum();
                 assert!((work - out.gap[k]).abs() < 1e-14);
             }
-            // Moment of the forces `lambda = n` about the axis at the directions in mid-step.
+            // Moment of the forces for the multipliers `lambda = n`, about the axis, with the directions at mid-step as arms.
             let force: Vec<f64> = (0..9).map(|i| (0..3).map(|k| n[k] * out.gradient_bar[9 * k + i]).sum()).collect();
             let at: Vec<f64> = q_0.iter().zip(&q_1).map(|(a, b)| 0.5 * (a + b)).collect();
             let moment =

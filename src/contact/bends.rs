@@ -1,22 +1,25 @@
-//! Corners and bends of plane surfaces, at which weighted gaps admit too much penetration: `node_to_segment.rs` constrains their nodes.
+//! Corners and bends of plane surfaces, at which weighted gaps admit too much penetration: their nodes get constraints by
+//! `node_to_segment.rs`.
 
 use super::surface::Surface;
 
-/// Cosine of the angle between adjacent facets, 20 degrees, above which a node is a corner. Nodal constraints at smoother bends would hold
-/// surfaces apart that weighted gaps bring into contact.
+/// Cosine of the smallest angle between adjacent facets at a corner, 20 degrees. Nodal constraints at smoother bends would separate
+/// surfaces that weighted gaps bring into contact.
 const CORNER: f64 = 0.9397;
 
-/// Cosine of the angle between adjacent facets, 12 degrees, above which a node is a bend. Two bends of 20 degrees that meet penetrate by a
-/// seventh of a facet with weighted gaps alone.
+/// Cosine of the smallest angle between adjacent facets at a bend, 12 degrees. With weighted gaps alone, two bends of 20 degrees that touch
+/// penetrate by a seventh of a facet.
 const BEND: f64 = 0.978;
 
-/// Admitted overlap of constraints at bends over that of corners; weighted gaps admit less penetration at a single bend.
+/// Slack (admitted overlap) of constraints at bends, relative to that of corners. Larger than the penetration that weighted gaps leave at a
+/// single bend.
 const BEND_SLACK: f64 = 3.5;
 
-/// Cosine of the corner angle, 10 degrees, for methods with nodal constraints: without a weighted gap nothing constrains the primary nodes.
+/// Cosine of the smallest angle at a corner for methods with nodal constraints, 10 degrees: there no weighted gap constrains the primary
+/// nodes.
 const CORNER_BESIDE_NODES: f64 = 0.985;
 
-/// Cosine of the angle, 2 degrees, down to which a corner of the reference positions remains one as the body deforms.
+/// Cosine of the angle, 2 degrees, above which a corner of the reference positions remains a corner as the body deforms.
 const BENT: f64 = 0.9994;
 
 /// Corners and bends of both sides of a contact.
@@ -34,7 +37,7 @@ impl Bends {
         Bends { sharp, blunt }
     }
 
-    /// True if a node of either side inside of a chain is a corner or bend in the reference positions.
+    /// True if a node inside of a chain, of either side, is a corner or bend in the reference positions.
     pub fn has_inner_corner(&self, sides: [&Surface; 2]) -> bool {
         let within = |(side, bends): (&Surface, &Vec<bool>)| bends.iter().zip(side.ends()).any(|(bent, end)| *bent && !end);
         sides.into_iter().zip(&self.blunt.reference).any(within)
@@ -46,8 +49,8 @@ impl Bends {
         self.blunt.find(sides, q);
     }
 
-    /// Slack of the constraint of secondary node `point` opposite the primary `facets`, relative to that of a corner. `None` if neither
-    /// side is bent there.
+    /// Slack of the constraint of secondary node `point` opposite the primary `facets`, relative to that of a corner; `None` if neither
+    /// side has a corner or bend there.
     pub fn slack_beside(&self, point: usize, facets: &[u32], primary: &Surface) -> Option<f64> {
         if self.sharp.are_at(point, facets, primary) {
             return Some(1.0);
@@ -56,10 +59,10 @@ impl Bends {
     }
 }
 
-/// Nodes of both sides at which adjacent facets turn by more than an angle.
+/// Nodes of both sides at which adjacent facets make more than a given angle.
 #[derive(Clone, Debug)]
 struct BentNodes {
-    /// Cosine of the smallest angle at which a node counts as bent.
+    /// Cosine of the smallest angle of a bent node.
     cosine: f64,
     /// True for each bent node in the reference positions.
     reference: [Vec<bool>; 2],

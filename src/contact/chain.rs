@@ -2,8 +2,9 @@
 //!
 //! The facet with the closest point defines the gap `g = n.(x - y_1)`, with the outward normal `n` on the right of the facet (the body is
 //! on the left). If the closest point is a vertex, the body near it is the intersection of two half planes at a convex corner and their
-//! union at a concave one: the gap is the larger or the smaller of both normal distances. No distance to a vertex enters: the gap is smooth
-//! through zero. It is continuous where the closest point is, or jumps between facets with the point on the same side.
+//! union at a concave one: the gap is the larger or the smaller of both normal distances. The distance to the vertex itself is not used, so
+//! that the gap is smooth through zero. The gap is continuous where the closest point is continuous, or jumps between facets with the point
+//! on the same side.
 //!
 //! With a height profile `p` of the facet the gap is the distance to the curve, `n.(x - y_1) - l p(s)`.
 //!
@@ -42,7 +43,7 @@ pub struct Measure {
 }
 
 impl Chain {
-    /// Chain of these facets in node indices of the contact element (the point is node 0).
+    /// Chain of the given facets, in node indices of the contact element (the point is node 0).
     pub fn new(facets: Vec<[u32; 2]>) -> Self {
         let find = |side: usize, node: u32| {
             let found = facets.iter().position(|facet| facet[side] == node);
@@ -137,7 +138,7 @@ impl Chain {
         Some(if (other.gap > own.gap) == convex { other } else { own })
     }
 
-    /// Distance of the point from a facet, from its nearer end beyond the facet `[length]`.
+    /// Distance of the point from a facet; beyond the facet, from its nearer end `[length]`.
     pub fn distance(&self, facet: u32, z: &[f64]) -> f64 {
         let s = self.coordinate(facet as usize, z).clamp(0.0, 1.0);
         let (t, d) = self.offsets(facet as usize, z);
@@ -149,9 +150,9 @@ impl Chain {
         Measure { facet, gap: self.gap(facet as usize, z), covered: true, vertex: None }
     }
 
-    /// Distance of a disk about the point from the only facet of the chain `[length]`: normal distance less the radius, beyond the facet
-    /// distance to its nearer node less the radius. Both have the same gradient at the transition. The distance is negative behind the
-    /// facet, and inside of the body at a concave corner.
+    /// Distance from the only facet of the chain of a disk with its center at the point `[length]`: normal distance minus the radius;
+    /// beyond the facet, distance to its nearer node minus the radius. Both have the same gradient at the transition. The distance is
+    /// negative behind the facet, and inside of the body at a concave corner.
     pub fn distance_of_disk(&self, z: &[f64], is_concave: [bool; 2], radius: f64) -> Option<Measure> {
         let &facet = self.facets.first()?;
         let (t, d) = self.offsets(0, z);
@@ -165,8 +166,8 @@ impl Chain {
         Some(Measure { gap, vertex: Some((facet[end], sign)), ..line })
     }
 
-    /// Both facets of the concave corner at the end of `facet` that is nearer to the point, ascending, each with its end (0 or 1) at the
-    /// corner. `None` if the corner is convex, or the sine of its angle is at most `sine`.
+    /// Both facets of the concave corner (pocket) at that end of `facet` that is nearer to the point, ascending, each with its end (0 or 1)
+    /// at the corner. `None` if the corner is convex, or if the sine of its angle is at most `sine`.
     pub fn pocket(&self, facet: u32, z: &[f64], sine: f64) -> Option<[[u32; 2]; 2]> {
         let t = self.offsets(facet as usize, z).0;
         let side = usize::from(self.coordinate(facet as usize, z) >= 0.5);
@@ -353,7 +354,7 @@ mod tests {
         fn the_gap_is_continuous_around_convex_and_concave_corners(
             angle in -1.2..1.2f64, radius in 0.01..0.4f64, around in 0.0..std::f64::consts::TAU,
         ) {
-            // On a circle about the corner a change of angle of 1e-7 moves the point by 1e-7 radius.
+            // On a circle about the corner, a change of the polar angle by 1e-7 moves the point by 1e-7 times the radius.
             let at = |phi: f64| gap(angle, [radius * phi.cos(), radius * phi.sin()]);
             prop_assert!((at(around + 1e-7) - at(around)).abs() < 1.1e-7 * radius);
         }
@@ -379,7 +380,7 @@ mod tests {
                     (2.0 * chain.gap(0, &moved), gradient(&moved))
                 };
                 let (a, b, c, d) = (at(-2.0), at(-1.0), at(1.0), at(2.0));
-                // Fourth-order differences of a function whose fifth derivatives are below 1e3.
+                // Difference quotient of fourth order, for a function whose fifth derivatives are below 1e3.
                 let expected = (a.0 - 8.0 * b.0 + 8.0 * c.0 - d.0) / (12.0 * step);
                 prop_assert!((gradient(&z)[k] - expected).abs() < 1e-9);
                 for i in 0..6 {
@@ -390,11 +391,11 @@ mod tests {
         }
     }
 
-    /// Disk about the point: in front of the facet, beyond either of its ends, and behind it at a concave corner.
+    /// Disk in front of the facet, beyond either of its ends, and behind it at a concave corner.
     #[test]
     fn the_distance_of_a_disk_has_no_kink_at_the_ends_and_exact_derivatives() {
         let chain = Chain::new(vec![[1, 2]]);
-        // Traversed from right to left: outwards is up.
+        // The facet runs from right to left, so that the outward direction is up.
         let at = |x: [f64; 2]| [x[0], x[1], 1.0, 0.0, 0.0, 0.0];
         let gap = |z: &[f64; 6], concave: bool| chain.distance_of_disk(z, [concave; 2], 0.1).unwrap().gap;
         assert!((gap(&at([0.4, 0.3]), false) - 0.2).abs() < 1e-15);
@@ -430,7 +431,8 @@ mod tests {
     #[test]
     fn at_a_corner_the_body_is_an_intersection_or_a_union() {
         let quarter = std::f64::consts::FRAC_PI_2;
-        // Convex: body x > 0, y < 0. Outside on the bisector, both normal distances are 0.1; left of it that of the left face counts.
+        // Convex corner, body x > 0, y < 0. For points outside on the bisector both normal distances are 0.1; to its left the distance from
+        // the left side counts.
         assert!((gap(quarter, [-0.1, 0.1]) - 0.1).abs() < 1e-16);
         assert!((gap(quarter, [-0.1, 0.02]) - 0.1).abs() < 1e-16);
         assert!((gap(quarter, [0.2, -0.1]) + 0.1).abs() < 1e-16);

@@ -17,7 +17,7 @@ use crate::math::norms::length;
 const COARSE: f64 = 3.0;
 
 /// Largest `-cos` of the angle between the outward normals of a facet and of an obstacle at which the facet does not face the obstacle: 84
-/// degrees. The side of a block that stands slightly tilted on a plane does not face it.
+/// degrees. The vertical side of a block that stands on a plane, slightly tilted, does not face the plane.
 const FACES: f64 = 0.1;
 
 /// Surface and its name, for messages.
@@ -55,7 +55,7 @@ pub enum Finding {
         /// Middle of the first repeated facet `[length]`.
         at: [f64; 2],
     },
-    /// No secondary facet has a primary facet in front of it whose normal points back.
+    /// No secondary facet has a primary facet in front of it with an opposite normal.
     FacingAway {
         /// Name of the secondary surface.
         secondary: String,
@@ -84,13 +84,13 @@ pub enum Finding {
         /// Mean facet length of the primary surface `[length]`.
         primary_size: f64,
     },
-    /// Polygons on matching curves whose interference is much smaller than the sagitta of their facets.
+    /// Polygons on matching curves whose interference is much smaller than the sagitta of their facets, so that their corners interlock.
     Interlocking {
         /// Name of the secondary surface.
         secondary: String,
         /// Name of the primary surface.
         primary: String,
-        /// Interference and sagitta.
+        /// Interference of the curves, and sagitta of the facets.
         of: PolygonFit,
     },
     /// Polygons on matching curves whose interference differs much from that of the curves.
@@ -99,10 +99,10 @@ pub enum Finding {
         secondary: String,
         /// Name of the primary surface.
         primary: String,
-        /// Interference, and the part lost by the polygons.
+        /// Interference of the curves, and the part that facets lose.
         of: PolygonFit,
     },
-    /// Facets in space whose bend angles are too large for height profiles of the curves that are pressed into each other.
+    /// Facets in space with bend angles too large for height profiles, of curves in a press fit.
     CoarseFit {
         /// Name of the secondary surface.
         secondary: String,
@@ -111,7 +111,7 @@ pub enum Finding {
         /// Interference, and the height of the curves missing in flat facets.
         of: PressFit,
     },
-    /// Curves in space that deviate from their height profiles on unlike meshes, by too much for their interference.
+    /// Curves in space that deviate from their height profiles, on nonmatching meshes, by too much for the interference of the press fit.
     UnevenFit {
         /// Name of the secondary surface.
         secondary: String,
@@ -206,7 +206,7 @@ impl std::fmt::Display for Finding {
 }
 
 impl Finding {
-    /// Text about a press fit in space between two sides.
+    /// Message text about a press fit in space between two sides.
     fn press_fit(&self, [secondary, primary]: [&String; 2], of: &PressFit) -> String {
         let PressFit { interference, missed, deviation, .. } = *of;
         if matches!(self, Finding::UnevenFit { .. }) {
@@ -242,12 +242,13 @@ impl Finding {
         }
     }
 
-    /// True for surfaces that face each other, the primary one behind the secondary one.
+    /// True for a cosine between the normals that is negative: the surfaces face each other, but the primary one lies behind the secondary
+    /// one, on the side of its body.
     pub fn is_behind(&self) -> bool {
         matches!(self, Finding::FacingAway { cosine, .. } if *cosine < 0.0)
     }
 
-    /// True for a tie without any tied node.
+    /// True for a tie in which no node is tied.
     pub fn is_void(&self) -> bool {
         matches!(self, Finding::Untied { nodes, of, .. } if nodes == of)
     }
@@ -332,7 +333,7 @@ fn duplicate_facets(side: NamedSurface, q: &[f64]) -> Option<Finding> {
     Some(Finding::DuplicateFacets { surface: side.name.into(), count: repeated.len(), nodes, at })
 }
 
-/// Middle, unit outward normal and size of each facet; third components are zero in the plane.
+/// Center, unit outward normal and size of each facet; third components are zero in the plane.
 fn frames(surface: &Surface, q: &[f64]) -> Vec<([f64; 3], [f64; 3], f64)> {
     let d = surface.dimension();
     let frame = |facet: usize| {
@@ -441,7 +442,7 @@ mod tests {
         let found = check(&top, &lower, &q);
         let same_way = Finding::FacingAway { secondary: "upper.bottom".into(), primary: "lower.top".into(), cosine: 1.0, distance: -3.0 };
         assert_eq!(found, [same_way]);
-        // Back to back.
+        // Both surfaces face away from each other.
         let found = check(&top, &reversed(&lower), &q);
         assert!(matches!(found[..], [Finding::FacingAway { cosine: -1.0, distance: -3.0, .. }]), "{found:?}");
         assert!(found[0].to_string().starts_with("no facet of \"upper.bottom\" faces \"lower.top\""));

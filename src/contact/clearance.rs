@@ -1,7 +1,7 @@
 //! Signed distance of single points from a rigid obstacle, independent of contact surfaces and constraints.
 //!
-//! Contact constrains the secondary nodes only. Checks of whole bodies, in the plane and in space, need the distance of any point, the part
-//! of the obstacle that a facet faces, and points inside of the obstacle.
+//! Contact constrains the secondary nodes only. Checks of whole bodies, in the plane and in space, need the distance of any point, the
+//! normals of the obstacle in front of a facet, and points inside of the obstacle.
 
 use std::sync::Arc;
 
@@ -29,7 +29,7 @@ pub struct Nearest {
     pub gap: f64,
     /// Gradient of the distance with respect to the point: a unit vector away from the obstacle.
     pub normal: [f64; 3],
-    /// True if the point is opposite the obstacle, false beyond an end of an open surface.
+    /// True if the point is opposite the obstacle; false beyond an end of an open surface.
     pub covered: bool,
 }
 
@@ -43,7 +43,7 @@ impl Clearance {
         Clearance { obstacle: obstacle.clone(), made }
     }
 
-    /// Distance of a point in the frame of the obstacle.
+    /// Distance of a point given in the frame of the obstacle.
     pub fn at(&self, x: [f64; 3]) -> Nearest {
         match &self.made {
             Made::Space(shape) => {
@@ -87,8 +87,8 @@ impl Clearance {
         }
     }
 
-    /// Least cosine between the outward normal of a facet with its middle at `x` and the normals of the obstacle in front of the facet: -1
-    /// face to face. Segments and triangles are in front if a node lies above the plane of the facet, lowered by `slack`.
+    /// Least cosine of the angle between the outward normal of a facet with its middle at `x` and the normals of the obstacle in front of
+    /// the facet: -1 face to face. Segments and triangles are in front if a node lies above the plane of the facet, lowered by `slack`.
     pub fn least_cosine(&self, x: [f64; 3], outward: [f64; 3], slack: f64) -> f64 {
         let nearest = dot(self.at(x).normal, outward);
         let is_ahead = |points: &[[f64; 3]]| points.iter().any(|&point| dot(minus(point, x), outward) > -slack);
@@ -110,7 +110,7 @@ impl Clearance {
             }
             _ => Vec::new(),
         };
-        // The distance has a kink inside of corners: the nearest side there need not be the one that the facet faces.
+        // The distance has a kink inside of corners: the nearest side there need not be the side that the facet faces.
         cosines.into_iter().filter(|cosine| cosine.is_finite()).fold(nearest, f64::min)
     }
 
@@ -127,7 +127,7 @@ impl Clearance {
                     vec![std::array::from_fn(|i| point[i] + part * axis[i])]
                 }
                 ObstacleInSpace::FiniteCylinder { center, axis, radius, length, .. } => {
-                    // Points at the same depth behind the ends as behind the side.
+                    // Points of the axis that are at least as far from the ends as from the side.
                     let half = (0.5 * length - radius.min(0.5 * length)) / dot(*axis, *axis).sqrt();
                     let part = (dot(minus(x, *center), *axis) / dot(*axis, *axis)).clamp(-half, half);
                     vec![std::array::from_fn(|i| center[i] + part * axis[i])]

@@ -1,4 +1,5 @@
-//! Linear combinations `y_i = sum_k a_ik x_k` of numbers or points, and their transpose (facets between points that nodes define).
+//! Linear combinations `y_i = sum_k a_ik x_k` of numbers or points, and their transpose; used for facets between points that are defined by
+//! nodes.
 
 /// Sparse matrix `a` of combinations `y_i = sum_k a_ik x_k`, row by row.
 #[derive(Clone, Debug)]
@@ -68,7 +69,7 @@ impl Combinations {
         y
     }
 
-    /// Bounds `sum_k |a_ik| x_k` of the combinations, where `x_k` bounds the entry `k`.
+    /// Bounds `sum_k |a_ik| x_k` of the combinations, given bounds `x_k` of the entries.
     pub fn bounds(&self, x: &[f64]) -> Vec<f64> {
         (0..self.len()).map(|entry| self.parts(entry).iter().map(|&(k, share)| share.abs() * x[k as usize]).sum()).collect()
     }

@@ -1,5 +1,4 @@
-//! Properties of every contact kernel in the plane, checked on all of them over random steps in which segments appear, vanish and change
-//! ends.
+//! Properties of every contact kernel in the plane, checked for random steps in which overlap segments appear, vanish and change ends.
 //!
 //! Two short chains face each other. Directionality `Gbar_A.dq = Phi_A(q_1) - Phi_A(q_0)`, zero resultant and moment, and the tangent as
 //! the derivative of the force hold to round-off, each for the algorithmic gradients that have the property.
@@ -92,7 +91,7 @@ proptest! {
             let rows = dense_rows(&*kernel, &out.gradient_bar, UNKNOWNS);
             let (start, moved) = (kernel.start_gap(), difference(&q_1, &q_0));
             for (row, gradient) in rows.iter().enumerate() {
-                // Round-off of positions up to 5, and of a quotient where the function jumps at an end.
+                // Scale of the round-off: positions up to 5, and gradients, which are large where the function jumps at an end.
                 let size = 1.0 + gradient.iter().map(|g| g.abs()).sum::<f64>();
                 let defect = product(gradient, &moved) - (out.gap[row] - start[row]);
                 prop_assert!(defect.abs() < 1e-13 * size, "{name}: {defect:e} of {size}");
@@ -109,8 +108,8 @@ proptest! {
     }
 }
 
-/// The tangent along a random direction is the derivative of the force, except at kinks, where difference quotients of two widths disagree.
-/// The tangent of the shared correction omits the derivative of the correction.
+/// The tangent along a random direction is the derivative of the force, except at kinks, which are recognized by difference quotients of
+/// two widths that disagree. The tangent of the shared correction omits the derivative of the correction.
 #[test]
 fn tangents_are_derivatives_of_forces() {
     let compared = RefCell::new(BTreeMap::<_, u32>::new());
@@ -144,11 +143,12 @@ fn tangents_are_derivatives_of_forces() {
     outcome.unwrap_or_else(|error| panic!("{error}"));
     let compared = compared.into_inner();
     assert_eq!(compared.len(), 5 * Derivative::ALL.len(), "{compared:?}");
-    // Most steps end far from a kink.
+    // At least half of the steps end far from a kink.
     assert!(compared.values().all(|&count| 2 * count > config().cases), "{compared:?}");
 }
 
-/// Closed form: matching facets at a constant distance have that gap times their weights for any shape functions.
+/// Closed form: for matching facets at a constant distance, the constraint functions are this distance times the weights, for any shape
+/// functions.
 #[test]
 fn a_constant_gap_is_the_same_for_all_methods() {
     let mut q = chains();

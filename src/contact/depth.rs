@@ -1,4 +1,5 @@
-//! Penetration depth of nodes of either side in the other body, point by point: weighted gaps are means and do not bound it.
+//! Penetration depth of nodes of either side in the other body, node by node: weighted gaps are mean values and do not bound the
+//! penetration.
 
 use super::faces;
 use super::search::PairSearch;
@@ -32,7 +33,7 @@ impl NodePosition {
         NodePosition { distance: gap.hypot(beyond), gap, along, end, share: s.clamp(0.0, length) / length, length }
     }
 
-    /// Gap of the node to the surface near this facet. At a corner the body is the intersection or the union of two half planes. `None`
+    /// Gap of the node to the surface near `facet`. At a corner the body is the intersection or the union of two half planes. `None`
     /// beyond the end of a chain.
     fn gap_to(&self, node: u32, surface: &Surface, facet: usize, q: &[f64]) -> Option<f64> {
         let Some(end) = self.end else { return Some(self.gap) };
@@ -45,7 +46,7 @@ impl NodePosition {
 }
 
 impl PairSearch {
-    /// Largest penetration at `q` of a node of either side in the other body, over the facet pairs within the search horizon `[length]`.
+    /// Largest penetration `[length]` at `q` of a node of either side in the other body, over the facet pairs that take part in the step.
     pub fn deepest(&self, sides: &Sides, q: &[f64]) -> f64 {
         if sides.secondary.dimension() == 3 {
             return self.deepest_in_space(sides, q, |_, _, flat| flat);
@@ -65,13 +66,13 @@ impl PairSearch {
                     }
                 }
             }
-            // Height of the curve over a facet of the other side at the point closest to a node.
+            // Height of the curve over a facet of the other side, at the point closest to a node.
             let height = |facet: u32, seen: &NodePosition| {
                 self.profiles[1 - own].get(facet as usize).map_or(0.0, |profile| seen.length * profile.at(seen.share)[0])
             };
             for (index, found) in closest.into_iter().enumerate() {
                 let Some((facet, seen)) = found.filter(|(facet, seen)| height(*facet, seen) - seen.gap > deepest) else { continue };
-                // At a sharp corner a neighboring facet can be nearer that forms no pair with the facets of this node.
+                // At a sharp corner, the nearest facet may be a neighbor that forms no pair with the facets of this node.
                 let node = surface.nodes()[index];
                 let around = other.neighbors(facet as usize).into_iter().flatten();
                 let around = around.map(|facet| (facet, NodePosition::new(node, other.facets()[facet as usize], q)));
@@ -88,8 +89,9 @@ impl PairSearch {
         deepest
     }
 
-    /// Largest penetration of a node in space `[length]`. A node beside its closest facet is in front of an edge and does not count. `gap`
-    /// maps the node (side and index), the facet of the other side and the gap to the flat facet to the gap.
+    /// Largest penetration of a node in space `[length]`. A node whose closest point lies on the border of a facet is in front of an edge
+    /// and does not count. `gap` corrects a gap to the flat facet by height profiles; its arguments are the node (side and index), the
+    /// facet of the other side and the gap.
     pub(super) fn deepest_in_space(&self, sides: &Sides, q: &[f64], gap: impl Fn([usize; 2], u32, f64) -> f64) -> f64 {
         let surfaces = [&sides.secondary, &sides.primary];
         let mut deepest = 0.0f64;
@@ -110,7 +112,7 @@ impl PairSearch {
                 let is_deep =
                     |&(facet, seen): &(u32, faces::FacetDistance)| !seen.is_beside && -gap([own, index], facet, seen.gap) > deepest;
                 let Some((facet, seen)) = found.filter(is_deep) else { continue };
-                // At a sharp edge a neighboring facet can be nearer that forms no pair with the facets of this node.
+                // At a sharp edge, the nearest facet may be a neighbor that forms no pair with the facets of this node.
                 let node = faces::at(surface.nodes()[index], q);
                 let around = other.local_facet(facet as usize).iter().flat_map(|&corner| other.adjacent_facets(corner as usize));
                 let around = around.map(|&facet| (facet, faces::FacetDistance::new(node, other.facet(facet as usize), q)));

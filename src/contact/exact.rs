@@ -13,7 +13,7 @@ use super::rigid_shape::{Obstacle, Shape};
 use super::space::{ObstacleInSpace, ShapeInSpace};
 use crate::math::tolerances::{ROUND_PART, STRAIGHT};
 
-/// Newton iterations for a height: facets turn by less than half a right angle from the shape.
+/// Newton iterations for a height. They converge since facets are inclined to the shape by less than 45 degrees.
 const ITERATIONS: usize = 12;
 
 /// Smallest component of the gradient along the facet's normal: steeper facets do not represent the shape.
@@ -23,7 +23,7 @@ const STEEP: f64 = 0.3;
 #[derive(Clone, Debug)]
 pub struct ExactShape {
     kind: Kind,
-    /// Largest coordinate in the differences that give distances `[length]`.
+    /// Largest coordinate in the differences that define distances, for their round-off `[length]`.
     reach: f64,
 }
 
@@ -33,7 +33,7 @@ enum Kind {
     Space(ShapeInSpace),
 }
 
-/// Height over a point of a facet, and gradient of the distance there; `None` where the facet does not represent the shape.
+/// Height over a point of a facet, and gradient of the distance there; `None` if the facet does not represent the shape.
 fn height<const D: usize, S: ObstacleSide<D>>(shape: &S, x: SVector<f64, D>, normal: SVector<f64, D>) -> Option<(f64, SVector<f64, D>)> {
     let mut z = 0.0;
     for _ in 0..ITERATIONS {
@@ -48,7 +48,7 @@ fn height<const D: usize, S: ObstacleSide<D>>(shape: &S, x: SVector<f64, D>, nor
 }
 
 impl ExactShape {
-    /// Shape with the border of an obstacle; `None` for obstacles with corners.
+    /// Shape of the surface of an obstacle; `None` for obstacles with corners.
     pub fn new(obstacle: &Obstacle) -> Option<Self> {
         let size = |x: &[f64; 2]| x[0].hypot(x[1]);
         let (kind, reach) = match obstacle {
@@ -95,7 +95,8 @@ impl ExactShape {
         Some(if is_flat { Profile::default() } else { Profile::new(first, last, mean) })
     }
 
-    /// Height over a point of a facet with this unit normal `[length]`; `None` where the facet does not represent the shape.
+    /// Height of the shape over a point `x` of a facet with the unit normal `normal` `[length]`; `None` where the facet does not represent
+    /// the shape.
     pub fn height_in_space(&self, x: Vector3<f64>, normal: Vector3<f64>) -> Option<f64> {
         let Kind::Space(shape) = &self.kind else { return None };
         height(shape, x, normal).map(|(height, _)| height)

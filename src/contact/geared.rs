@@ -40,13 +40,13 @@ pub enum CoordinateKind {
     Distance,
 }
 
-/// Joint coordinate of a gear.
+/// Joint coordinate that takes part in a gear.
 #[derive(Clone, Debug)]
 struct Term {
     kind: CoordinateKind,
     /// Index of the first function.
     first: usize,
-    /// Coefficient `a_i`: a length for an angle, a number for a displacement.
+    /// Coefficient `a_i`: a length for an angle, a pure number for a displacement.
     factor: f64,
     /// Whole turns, and remaining angle, at the start of the step.
     turns: f64,
@@ -63,7 +63,7 @@ impl Term {
     }
 }
 
-/// Angle from `z_0` to `z_1`.
+/// Signed angle from `z_0` to `z_1`, between -pi and pi.
 fn turned(z_0: [f64; 2], z_1: [f64; 2]) -> f64 {
     (z_0[0] * z_1[1] - z_0[1] * z_1[0]).atan2(z_0[0] * z_1[0] + z_0[1] * z_1[1])
 }
@@ -102,18 +102,18 @@ fn gradient_at([x, y]: [f64; 2]) -> ([f64; 2], [[f64; 2]; 2]) {
 
 /// Constraint between two joint coordinates.
 pub struct Geared {
-    /// Cosines and sines of angles, displacements: one group of functions of the same nodes.
+    /// Functions of the joint coordinates: cosines and sines of angles, displacements, squared distances.
     inner: PointConstraints,
     sides: Sides,
     terms: Vec<Term>,
-    /// Values of the functions at the start of the step.
+    /// Values of the inner functions at the start of the step.
     z_0: Vec<f64>,
     scratch: Mutex<Evaluation>,
 }
 
 impl Geared {
-    /// Gear between coordinates that are functions of one group of `inner`: their kinds and coefficients. `size` is the size of the joined
-    /// parts `[length]`.
+    /// Gear between coordinates that are functions of one group of `inner`, given by their kinds and coefficients. `size` is the size of
+    /// the joined parts `[length]`.
     pub fn new(inner: PointConstraints, dimension: usize, coordinates: Vec<(CoordinateKind, f64)>, size: f64) -> Self {
         let mut terms: Vec<Term> = Vec::new();
         for (kind, factor) in coordinates {
@@ -135,11 +135,11 @@ impl Geared {
             (CoordinateKind::Angle, false) => term.rest + turned(pair(&self.z_0, term), pair(z, term)),
         };
         let sum = |of: &dyn Fn(&Term) -> f64| self.terms.iter().map(|term| term.factor * of(term)).sum::<f64>();
-        // Whole turns are summed separately to preserve the digits of the remaining angle.
+        // Whole turns are summed separately, so that the remaining angle keeps its digits.
         sum(&rest) + TAU * sum(&|term| term.turns)
     }
 
-    /// Change of the constraint function from `q_0` to `q_1`, without whole turns: accurate relative to the change of the coordinates.
+    /// Change of the constraint function from `q_0` to `q_1`, without whole turns, accurate relative to the change of the coordinates.
     pub fn change(&self, q_0: &[f64], q_1: &[f64]) -> f64 {
         let [z_0, z_1] = [q_0, q_1].map(|q| self.inner.gap(q));
         let of = |term: &Term| match (term.kind, z_0[term.first], z_1[term.first]) {
@@ -157,7 +157,8 @@ impl Geared {
                 return vec![(term.factor, [0.0; 2])];
             }
             if term.kind == CoordinateKind::Distance {
-                // (s_1 - s_0) / (s_1^2 - s_0^2), at one place 1 / (2 s).
+                // Discrete gradient of the distance `s` with respect to `s^2`: `(s_1 - s_0)/(s_1^2 - s_0^2)`; at one configuration `1/(2
+                // s)`.
                 let after = z[term.first].sqrt();
                 let by = 1.0 / (after + if is_mean { self.z_0[term.first].sqrt() } else { after });
                 let slope = if is_mean { -0.5 * by * by / after } else { -by * by / after };
@@ -169,13 +170,13 @@ impl Geared {
         self.terms.iter().flat_map(of).collect()
     }
 
-    /// True for a derivative across the step, which depends on the start values.
+    /// True for a discrete gradient, which depends on the values at the start of the step.
     fn is_mean(&self, derivative: Derivative) -> bool {
         derivative.placement().share < 1.0 && !self.z_0.is_empty()
     }
 }
 
-/// Cosine and sine of an angle.
+/// Cosine and sine of the angle of a term.
 fn pair(z: &[f64], term: &Term) -> [f64; 2] {
     [z[term.first], z[term.first + 1]]
 }

@@ -5,8 +5,8 @@
 //! ```
 //!
 //! The gradient of `u` is the discrete gradient of `s` (`geared.rs`): a force `tau` along it does the work `tau u`, and has neither
-//! resultant nor moment between two bodies. The normal constraint beside it has no function of the nodes; its multiplier is the magnitude
-//! of the joint's reaction.
+//! resultant nor moment between two bodies. Each tangential constraint needs a normal constraint; for a joint this is a placeholder without
+//! a function of the nodes, whose multiplier is set to the magnitude of the joint's reaction.
 
 use super::geared::Geared;
 use super::kernel::{CandidateSearch, PatchFunctions, RigidObstacle};

@@ -10,24 +10,25 @@ use super::window::PredictedMotion;
 use crate::integrators::Derivative;
 use crate::math::workers::Workers;
 
-/// Variants of the discrete gradient of a mortar sum. All conserve energy; they differ at the kinks where overlaps change their ends. In
+/// Variants of the discrete gradient of a mortar method. All conserve energy; they differ at the kinks where overlaps change their ends. In
 /// space, forces at nearly coinciding edges pass from one facet to the next continuously within a band, or with a kink.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Correction {
-    /// Gradient at mid-step, corrected in each contact element.
+    /// Gradient at mid-step, with a correction for each contact element.
     #[default]
     PerPatch,
-    /// `PerPatch` with the overlap ends of mid-step at the nodes of the start of the step. If nodes of both sides stay aligned while a gap
-    /// closes (two equal blocks), the gradient at mid-step attracts them from both sides by the depth at the overlap's end, without an
-    /// equilibrium; fixed ends avoid this force. In space: exchanges the band for a kink and vice versa.
+    /// As `PerPatch`, but the ends of the overlap at mid-step stay at the nodes at which they are at the start of the step. While aligned
+    /// nodes of both sides approach (two equal blocks), the mid-step gradient of a moving end is a force of the size of the gap there,
+    /// which attracts the nodes from both sides, without an equilibrium; fixed ends avoid this force. In space: the band is replaced by a
+    /// kink.
     SteadyEnds,
-    /// One correction per secondary node. The correction of one contact element jumps where its overlap changes ends; in the sum over the
-    /// elements of a node the jumps cancel before the division by the step length. The tangent omits the derivative of the correction,
-    /// which would couple all elements of a node.
+    /// One correction per secondary node. The correction of one contact element jumps where its overlap changes ends; in the sum over all
+    /// elements of a node the jumps cancel before the division by the squared increment. The tangent omits the derivative of the
+    /// correction, which would couple all elements of a node.
     PerNode,
 }
 
-/// Receiver of tangent blocks: index of the contact element, and its block row by row; empty without pressure.
+/// Receiver of tangent blocks. Arguments: index of the contact element, and its block row by row, empty if the element has no pressure.
 pub type TangentSink<'a> = dyn FnMut(usize, &[f64]) + 'a;
 
 /// Constraint functions of a pair of surfaces, as sums over contact elements.
@@ -55,22 +56,24 @@ pub trait PatchFunctions {
         1
     }
 
-    /// True if each constraint is the gap of a node times its weight; false for integrals over the surface.
+    /// True if each constraint is the gap of a node times its weight; false if it is an integral over the surface.
     fn is_nodal(&self) -> bool {
         false
     }
 
-    /// Nodes that own the constraints, in their order: all secondary nodes, or none if the constraints belong to corners of an obstacle.
+    /// Nodes to which the constraints belong, in their order: all secondary nodes, or none if the constraints belong to corners of an
+    /// obstacle.
     fn row_nodes(&self) -> &[u32] {
         self.secondary().nodes()
     }
 
-    /// Node at which output shows the multiplier of constraint `row`, if its force acts between nodes outside of the contact.
+    /// Node to which output assigns the multiplier of constraint `row`, if the constraint acts on nodes other than those of the surface
+    /// (masters of a rigid body).
     fn shown_at(&self, _row: usize) -> Option<u32> {
         None
     }
 
-    /// Nodes whose masses a constraint accelerates, if they differ from its owner.
+    /// Nodes that the force of a constraint accelerates, if it is not the constraint's own node.
     fn carriers(&self, _row: usize) -> &[u32] {
         &[]
     }
@@ -101,17 +104,17 @@ pub trait PatchFunctions {
         &self.sides().patches
     }
 
-    /// Bytes of the blocks of one evaluation, at most.
+    /// Upper bound of the bytes of the blocks of one evaluation.
     fn bytes(&self) -> u64 {
         self.patches().bytes()
     }
 
-    /// Contact elements with tangential constraints in place of the normal ones: one per normal constraint in the plane, two in space.
+    /// Contact elements of the tangential constraints: one constraint per normal constraint in the plane, two in space.
     fn slip_patches(&self) -> &Patches {
         self.sides().slip_patches()
     }
 
-    /// Stores values at the start of the step, `q_0`, for the present candidates.
+    /// Stores quantities of the present candidates at the start of the step, with positions `q_0`.
     fn begin_step(&mut self, q_0: &[f64]);
 
     /// Constraint functions at the start of the step.
@@ -120,10 +123,10 @@ pub trait PatchFunctions {
     /// Selects the variant of the discrete gradient; kernels without sums over elements ignore it.
     fn set_correction(&mut self, _correction: Correction) {}
 
-    /// Defines multipliers as pressure times circumference, for bodies of revolution about the second axis.
+    /// Redefines multipliers as pressure times circumference, for bodies of revolution about the second axis.
     fn turn_about_axis(&mut self) {}
 
-    /// Sets the height profiles of the facets of both sides in the plane; methods for straight facets ignore them.
+    /// Sets the height profiles of the facets of both sides in the plane; ignored by methods for straight facets.
     fn set_profiles(&mut self, _profiles: [Vec<Profile>; 2]) {}
 
     /// Provides threads for the evaluation of contact elements; results do not depend on their number.
@@ -184,14 +187,14 @@ pub trait CandidateSearch: PatchFunctions {
         self.search().is_some_and(|search| search.overlooks(self.sides(), q_0, q_1, tolerance))
     }
 
-    /// Visits the nodes of contact element `p` that take part in this step; the other nodes are candidates for later steps.
+    /// Visits the nodes of contact element `p` if it takes part in this step; elements that do not are candidates for later steps.
     fn for_each_participant(&self, p: usize, visit: &mut dyn FnMut(u32)) {
         if self.search().is_none_or(|search| search.near[p]) {
             self.patches().nodes(p).iter().copied().for_each(visit);
         }
     }
 
-    /// Candidates: the state that a method with a search keeps between steps.
+    /// Candidate facet pairs, the state that a method with a search keeps between steps.
     fn candidates(&self) -> Option<&Candidates> {
         self.search().map(|search| &search.candidates)
     }
@@ -230,7 +233,7 @@ pub trait CandidateSearch: PatchFunctions {
     }
 }
 
-/// Rigid obstacle of a pair; pairs of two surfaces use the defaults.
+/// Operations of a pair whose other side is a rigid obstacle; pairs of two surfaces use the default implementations.
 pub trait RigidObstacle {
     /// Sets the translations of the obstacle at the start, in the middle and at the end of the step `[length]`.
     fn move_obstacle(&mut self, _translations: &[[f64; 3]; 3]) {}
@@ -241,8 +244,9 @@ pub trait RigidObstacle {
     /// Sets the approximate start values of the coordinates that a gear couples, which define the whole turns of angles.
     fn count_from(&mut self, _coordinates: [f64; 2]) {}
 
-    /// Sets the motion with which the obstacle carries sticking points in this step: displacement `[length]`, and for a round obstacle the
-    /// rotation about its center `[rad]`. At rest: the motion since the previous equilibrium, although the obstacle stands still.
+    /// Sets the motion of the obstacle's surface, relative to which friction measures slip: displacement in the step `[length]` and, for a
+    /// round obstacle, rotation about its center `[rad]`. In a search for equilibrium: motion since the previous equilibrium, although the
+    /// obstacle does not move.
     fn carry(&mut self, _shift: [f64; 3], _angle: f64) {}
 
     /// Translation of the obstacle at the end of the step `[length]`.
@@ -250,17 +254,17 @@ pub trait RigidObstacle {
         [0.0; 3]
     }
 
-    /// Measures of nodes that pass the obstacle on their straight paths to `q_1`, the largest over all nodes: change of the distance near
-    /// the obstacle in facet lengths, and path length in shortest facets if the node crosses to the other side.
+    /// Largest values over all nodes on their straight paths to `q_1`: change of the distance near the obstacle, in facet lengths, and path
+    /// length, in shortest facets, of nodes that cross the obstacle.
     fn passage(&self, _q_1: &[f64]) -> [f64; 2] {
         [0.0; 2]
     }
 
     /// Adds the nodal forces of the obstacle in a step that ends at `q_1`, and returns the work of its motion `[energy]`; zero for two
-    /// surfaces, whose forces cancel. `before` are multipliers of the gradient at the start of the step, `lambda` those of the algorithmic
-    /// gradient.
+    /// surfaces, whose forces cancel. `before` are the multipliers of the gradient at the start of the step, `lambda` those of the
+    /// algorithmic gradient.
     ///
-    /// The ledger counts this work as work of loads. Its sum with the work of the contact forces is
+    /// The energy balance counts this work as work of loads. Its sum with the work of the contact forces is
     ///
     /// `sum_A lambda_A (Phi_A(q_1) - Phi_A(q_0))`.
     fn obstacle_force_into(&self, _derivative: Derivative, _q_1: &[f64], _before: &[f64], _lambda: &[f64], _force: &mut [f64]) -> f64 {

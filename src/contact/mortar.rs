@@ -1,8 +1,8 @@
 //! Mortar contact in the plane: one multiplier per secondary node, whose constraint is the weighted gap summed over facet pairs.
 //!
-//! Segments are never listed: each candidate pair contributes its clamped functions (`pair.rs`) at every configuration of the step, which
-//! conserves energy and momenta while facets slide (Hesch and Betsch 2007, equations 4 to 10). A contact element is a candidate pair: nodes
-//! `(x_1, x_2, y_1, y_2)`, constraints of `(x_1, x_2)`.
+//! There is no list of overlap segments: each candidate pair contributes its clamped functions (`pair.rs`) at every configuration of the
+//! step, which conserves energy and momenta while facets slide (Hesch and Betsch 2007, equations 4 to 10). A contact element is a candidate
+//! pair: nodes `(x_1, x_2, y_1, y_2)`, constraints of `(x_1, x_2)`.
 //!
 //! The discrete gradient is corrected in each pair. At vertices of both meshes that coincide at rest, kinks of neighboring pairs cancel in
 //! the sum, but not in their corrections. [`Correction::PerNode`] removes this at the price of coupling all pairs of a node.
@@ -47,8 +47,9 @@ pub static DUAL_MORTAR: ContactMethod = ContactMethod {
 /// zeros.
 const SPARE: f64 = 2.0;
 
-/// Unknowns of a pair, and number of entries of its gradient block.
+/// Number of displacement unknowns of a facet pair: two facets of two nodes with two components each.
 const UNKNOWNS: usize = 8;
+/// Number of entries in the gradient block of a facet pair: gaps of two secondary nodes by the displacement unknowns.
 const GRADIENTS: usize = 2 * UNKNOWNS;
 
 /// Mortar contact of two surfaces in the plane.
@@ -101,12 +102,12 @@ impl Mortar {
         Mortar { dual: true, ..self }
     }
 
-    /// Multiplier shape functions of each pair's secondary facet in a step from `q_0`. They are dual if active pairs cover the facet fully
-    /// and its neighbors have opposite facets within a facet's length. A requirement of active pairs at the neighbors would change shape
-    /// functions, and thus active constraints, throughout rolling.
+    /// Multiplier shape functions of each pair's secondary facet in a step from `q_0`. They are dual if the facet is fully covered by
+    /// participating pairs and its neighbors have opposite facets within a facet's length. If the neighbors, too, had to be covered by
+    /// participating pairs, shape functions, and thus active constraints, would change throughout rolling.
     fn shapes(&self, overlaps: &[Option<Overlap>], q_0: &[f64]) -> Vec<Shape> {
         let (pairs, secondary) = (self.search.candidates.pairs(), &self.sides.secondary);
-        // Covered share of each facet: by pairs that take part, and by these and open pairs.
+        // Covered fraction of each facet: by participating pairs, and by participating and open pairs.
         let mut covered = vec![[0.0; 2]; secondary.facets().len()];
         for (p, (pair, overlap)) in pairs.iter().zip(overlaps).enumerate().filter(|_| self.dual) {
             let Some(overlap) = overlap else { continue };
@@ -416,7 +417,7 @@ mod tests {
             let out = evaluated(&mortar, Derivative::DiscreteGradient, &q_1, &[1.0, 2.0]);
             let (gap_0, moved) = (mortar.gap(&q_0), difference(&q_1, &q_0));
             for (k, row) in out.gradient_bar.chunks_exact(8).enumerate() {
-                // Round-off of positions (up to 4), amplified by gradients that grow as facets become perpendicular.
+                // Scale of the round-off: positions up to 4, and gradients, which grow as facets become perpendicular.
                 let size: f64 = 1.0 + row.iter().map(|g| g.abs()).sum::<f64>();
                 let defect = product(row, &moved) - (out.gap[k] - gap_0[k]);
                 prop_assert!(defect.abs() < 4e-15 * size, "{defect:e} of {size}");
@@ -440,7 +441,7 @@ mod tests {
 
         #[test]
         fn tangents_agree_with_differences((q_0, q_1) in step(), lambda in prop::array::uniform2(-1.0..2.0)) {
-            // The correction varies over the size of the increment; difference quotients must be finer.
+            // The correction varies within the size of the increment, so that difference quotients must be finer.
             let width = q_0.iter().zip(&q_1).fold(0.0, |largest: f64, (a, b)| largest.max((b - a).abs()));
             let step = f64::min(2e-4, 0.01 * width);
             let middle: Nodes = std::array::from_fn(|i| 0.5 * (q_0[i] + q_1[i]));
@@ -466,7 +467,7 @@ mod tests {
                         prop_assert!((ours - expected).abs() < 1e-7, "{derivative:?} [{i}][{unknown}]: {ours} {expected}");
                     }
                 }
-                // Ordinary gradients against difference quotients of the gap.
+                // Gradients at a configuration against difference quotients of the gap.
                 for unknown in 0..8 {
                     let at = |shift: f64| {
                         let mut moved = q_1;
@@ -511,7 +512,7 @@ mod tests {
             let rows = dense_rows(&mortar, &out.gradient_bar, q.len());
             let (gap_0, moved) = (mortar.gap(&q_0), difference(&q_1, &q_0));
             for (node, row) in rows.iter().enumerate() {
-                // A constraint has a few pairs with entries of about 0.1.
+                // A constraint is the sum of a few pairs with gradient entries of about 0.1.
                 assert!((product(row, &moved) - (out.gap[node] - gap_0[node])).abs() < 1e-15, "node {node}");
             }
             let middle: Vec<f64> = q_0.iter().zip(&q_1).map(|(a, b)| 0.5 * (a + b)).collect();
@@ -571,13 +572,13 @@ mod tests {
         mortar.update_candidates(&PredictedMotion::within(&q, 1.5));
         let pairs = mortar.pairs();
         assert!(pairs.iter().all(|[own, other]| own < other));
-        // Gap 1/2 of the two inner faces: covered from one side only, constant over all covered nodes.
+        // The two inner faces have the gap 1/2. They form pairs in one order only, so that half of the nodes are covered.
         let (gap, coverage) = (mortar.gap(&q), mortar.coverage(&q));
         let covered: Vec<usize> = (0..count as usize).filter(|&node| coverage[node] > 0.0).collect();
         assert!(covered.iter().all(|&node| q[2 * node + 1] == 1.0 && q[2 * node] >= 1.0), "{covered:?}");
         let length: f64 = covered.iter().map(|&node| coverage[node] * mortar.weights()[node]).sum();
         let area: f64 = covered.iter().map(|&node| gap[node]).sum();
-        // Facets next to the notch's end are neighbors of its short side and still opposite each other.
+        // Facets next to the end of the notch are neighbors of its short side and nevertheless form pairs with each other.
         assert!((area / length - 0.5).abs() < 1e-14 && length > 3.9, "{area} {length}");
     }
 
@@ -609,8 +610,8 @@ mod tests {
         assert!(out.gradient_bar.iter().chain(&out.gradient_end).chain(&out.tangent).all(|x| *x == 0.0));
     }
 
-    /// Values of an independent code: automatic differentiation of the prototype's `phi` and `through_invariants` (tangent weighted with
-    /// lambda = (1.5, 0.7) and applied to [`DIRECTION`]).
+    /// Reference values of an independent code: automatic differentiation of the prototype's `phi` and `through_invariants`. The tangent is
+    /// weighted with lambda = (1.5, 0.7) and applied to [`DIRECTION`].
     struct Oracle {
         q_0: Nodes,
         q_1: Nodes,
@@ -684,7 +685,7 @@ mod tests {
                 assert!((ours - theirs).abs() < tolerance, "{ours:e} against {theirs:e}");
             };
             (0..2).for_each(|k| close(out.gap[k], oracle.gap[k], 1e-15));
-            // Both codes divide the same cancelling difference by |dpi|^2, at least about 1e-2.
+            // Both codes divide the same difference, which has cancellation, by |dpi|^2, at least about 1e-2.
             (0..16).for_each(|i| close(out.gradient_bar[i], oracle.bar[i / 8][i % 8], 1e-14));
             (0..8).for_each(|i| close(product(&out.tangent[8 * i..8 * i + 8], &DIRECTION), oracle.tangent[i], 1e-12));
         }
@@ -704,7 +705,7 @@ mod tests {
             let out = evaluated(&mortar, Derivative::DiscreteGradient, &q_1, &[1.0; 40]);
             let moved = difference(&q_1, &q_0);
             for (node, row) in dense_rows(&mortar, &out.gradient_bar, q_0.len()).iter().enumerate() {
-                // Round-off of positions up to 1 times gradients of about 0.1.
+                // Round-off of positions up to 1, times gradients of about 0.1.
                 assert!((product(row, &moved) - (out.gap[node] - gap_0[node])).abs() < 1e-17, "angle {angle:e}, node {node}");
             }
         }
@@ -712,7 +713,7 @@ mod tests {
 
     #[test]
     fn facets_that_have_moved_apart_do_not_meet_through_their_bodies() {
-        // Face to face at a distance of 0.1, the bodies above and below; then the lower one far above, as after half a turn of two disks.
+        // Facets face to face at a distance of 0.1; then the lower one far above, as after half a turn of two disks.
         let q_0 = [0.0, 0.0, 1.0, 0.0, 1.0, -0.1, 0.0, -0.1];
         let mut mortar = Mortar::new(&[[0, 1]], &[[2, 3]], &q_0);
         assert!(mortar.update_candidates(&PredictedMotion::within(&q_0, 0.5)));

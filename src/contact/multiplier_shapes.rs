@@ -2,7 +2,7 @@
 
 use super::pair::PerNode;
 
-/// Multiplier shape functions of a facet as coefficients of its linear ones `[2 x 2]`.
+/// Multiplier shape functions of a facet as coefficients of its linear shape functions `[2 x 2]`.
 pub type Shape = PerNode<PerNode<f64>>;
 
 /// Linear shape functions.
@@ -11,7 +11,7 @@ pub const STANDARD: Shape = [[1.0, 0.0], [0.0, 1.0]];
 /// Dual shape functions: `int psi_A N_B ds = delta_AB int N_B ds` (Wohlmuth, SIAM J. Numer. Anal. 38, 2000).
 pub const DUAL: Shape = [[2.0, -1.0], [-1.0, 2.0]];
 
-/// Ratio of the radii of a facet's nodes, inner over outer, below which the facet counts as adjacent to the axis.
+/// Ratio of the radii of a facet's nodes, smaller over larger, below which the facet counts as adjacent to the axis.
 const NEXT_TO_AXIS: f64 = 0.1;
 
 /// Dual shape functions `psi = diag(G r / r) G^-1 N` of a facet of revolution, `G = int N N^T ds`, nodal radii `r`. Each multiplier loads

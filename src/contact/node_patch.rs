@@ -8,27 +8,30 @@ use super::slip::{self, SlipRows};
 use super::surface::Sides;
 use crate::integrators::{Configuration, Derivative, PatchFunction, Projection};
 
-/// Values of a contact element that are fixed at the start of the step.
+/// Values of a contact element (point and facets) that are fixed at the start of the step.
 #[derive(Clone, Debug, Default)]
 pub struct Start {
-    /// Indices in the contact element of the participating nodes: the point, nodes of admitted facets, of their neighbors and the next.
+    /// Participating nodes, as indices in the contact element: the point, and the nodes of admitted facets, of their neighbors and of the
+    /// next neighbors.
     pub places: Vec<u32>,
-    /// Chain of these facets in indices of `places`. `closest` admits facets as the closest one: all but the last neighbors, which only
-    /// define corners. A neighbor may face away and still be in front of the point around a sharp corner.
+    /// Chain of the facets between the participating nodes, in indices of `places`. `closest`: true for facets that can be the closest
+    /// facet, all but the outermost neighbors, which only define corners. A neighbor may face away from the point and still be in front of
+    /// it around a sharp corner.
     pub chain: Chain,
     pub closest: Vec<bool>,
     /// Positions of the participating nodes at the start of the step.
     pub positions: Vec<f64>,
     pub measures: [Option<Measure>; 2],
-    /// Facets of the concave corner that contains the point, each with its end at the corner and with a constraint of its own in this step.
+    /// Both facets of the concave corner (pocket) that contains the point, each with its end at the corner; each has a separate constraint
+    /// in this step.
     pub pocket: Option<[[u32; 2]; 2]>,
-    /// Facet whose line defines the gap in this step, for corners that cross the opposite corner.
+    /// Facet whose straight line defines the gap in this step, for a corner that crosses a corner of the other side.
     pub line: Option<u32>,
-    /// Disk about the point; `None` for a point of a surface.
+    /// Disk with its center at the point; `None` for a point of a surface.
     pub round: Option<Round>,
     /// Slack (admitted overlap) of the constraint, relative to that of the pair.
     pub slack: f64,
-    /// Height of the curve of the point's own surface over the point, outwards `[length]`.
+    /// Height of the curve of the point's own surface at the point, outwards `[length]`.
     pub own_height: f64,
 }
 
@@ -79,8 +82,8 @@ impl Start {
     }
 
     /// Stores the values at the start of the step; `nodes` are those of the contact element. `crossed` returns the facet that alone defines
-    /// the gap of a corner which crosses another one (`Some(None)`: no gap). `pocket` returns the concave corner of the point. While
-    /// `is_sunk` holds, first the pocket, then the whole gap is removed.
+    /// the gap if the point is a corner that crosses another corner (`Some(None)`: no gap). `pocket` returns the concave corner that
+    /// contains the point. If `is_sunk` holds (too deep), the pocket is removed; if it still holds, the gap is removed, too.
     pub fn begin(
         &mut self,
         nodes: &[u32],
@@ -134,7 +137,7 @@ impl Start {
     }
 }
 
-/// Calls `visit` with each constraint and its gap at `q`.
+/// Calls `visit` with the index of each constraint and its gap at `q`.
 fn for_each_measure(sides: &Sides, starts: &[Start], q: &[f64], mut visit: impl FnMut(usize, Measure)) {
     let mut z = Vec::new();
     for (p, start) in starts.iter().enumerate() {
@@ -177,7 +180,7 @@ pub fn coverage(sides: &Sides, starts: &[Start], q: &[f64]) -> Vec<f64> {
     coverage
 }
 
-/// Slips of points relative to the facets that define their gaps in mid-step.
+/// Slips of points relative to the facets that define their gaps at mid-step.
 pub struct Slips<'a> {
     pub sides: &'a Sides,
     pub starts: &'a [Start],
@@ -189,7 +192,7 @@ impl SlipRows for Slips<'_> {
     fn places(&self, p: usize, z: &[f64], places: &mut Vec<usize>) -> bool {
         let start = &self.starts[p];
         let z: Vec<f64> = start.places.iter().flat_map(|&place| z[2 * place as usize..][..2].iter().copied()).collect();
-        // One slip per constraint: a point in a pocket slides on both of its facets.
+        // One slip per constraint: a point in a pocket slides along both of its facets.
         places.push(0);
         for measure in start.measures(&z).into_iter().take(self.sides.patches.rows(p).len()) {
             let Some(Measure { facet, covered: true, .. }) = measure else { return places.len() > 1 };

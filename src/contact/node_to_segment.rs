@@ -42,14 +42,15 @@ pub static NODE_TO_SEGMENT: ContactMethod = ContactMethod {
 /// Search distance beyond the required one, in shortest secondary facets.
 const SPARE: f64 = 1.0;
 
-/// Cosine of the angle of a corner of a rigid chain, 0.1 degrees: between nodes of the other surface it has no other constraint.
+/// Cosine of the smallest angle at a corner of a rigid chain, 0.1 degrees: a corner between two nodes of the other surface has no other
+/// constraint.
 const RIGID_CORNER: f64 = 0.999_998;
 
-/// Penetration in shortest facets beyond which a node has no corner constraint: initial overlaps are held by the constraints of the
-/// surfaces, and corner constraints would be linearly dependent on those.
+/// Penetration, in shortest facets, beyond which a node has no corner constraint: initial overlaps are resolved by the constraints of the
+/// surfaces, on which corner constraints would depend linearly.
 const SUNK: f64 = 0.15;
 
-/// Smallest angle of a concave corner (pocket) in degrees, and largest distance of a vertex from it in shortest facets.
+/// Smallest angle of a concave corner (pocket) in degrees; `POCKET_REACH`: largest distance of a node from its vertex, in shortest facets.
 const POCKET: f64 = 3.0;
 const POCKET_REACH: f64 = 0.25;
 
@@ -57,9 +58,9 @@ const POCKET_REACH: f64 = 0.25;
 #[derive(Clone, Debug)]
 pub struct NodeToSegment {
     sides: Sides,
-    /// Secondary nodes as facets of zero length, for the search.
+    /// Secondary nodes as facets of zero length, so that the facet search finds them.
     points: Surface,
-    /// Selection of corners; `None` for contact of all secondary nodes.
+    /// Selection of corners; `None`: contact of all secondary nodes.
     corners: Option<Corners>,
     candidates: Candidates,
     window: Window,
@@ -74,13 +75,13 @@ pub struct NodeToSegment {
     reference: Vec<f64>,
 }
 
-/// Selection of secondary nodes as corners.
+/// Selection of the secondary nodes that count as corners.
 #[derive(Clone, Debug)]
 enum Corners {
     /// Nodes at bends of either side.
     Bends {
         bends: Bends,
-        /// True if corners of the other side have constraints of the same kind.
+        /// True if corners of the primary side also have constraints against the secondary side.
         is_mutual: bool,
     },
     /// True for each secondary node that is a corner.
@@ -108,7 +109,7 @@ impl NodeToSegment {
     /// `None` if neither side has a corner in the reference positions.
     ///
     /// Each node has two constraints: in a concave corner of the other side, such as its own imprint, it touches two facets. Two smooth
-    /// distances replace one with a kink. The two facets are selected at the start of a step.
+    /// distances replace one with a kink. Both facets are selected at the start of a step.
     pub fn of_corners([secondary, primary]: [&[[u32; 2]]; 2], reference: &[f64], facet_size: f64, is_beside_nodes: bool) -> Option<Self> {
         let sides = Sides { facet_size, ..Sides::new(secondary, primary, reference) };
         let both = [&sides.secondary, &sides.primary];
@@ -133,7 +134,7 @@ impl NodeToSegment {
         Self::between(sides, reference).with(Corners::Points(points))
     }
 
-    /// Restricts contact to these corners, with two constraints each.
+    /// Restricts contact to the given corners, with two constraints each.
     fn with(mut self, corners: Corners) -> Self {
         self.corners = Some(corners);
         self.sides.weights = self.sides.weights.iter().flat_map(|&weight| [weight; 2]).collect();
@@ -180,14 +181,15 @@ impl NodeToSegment {
         }
     }
 
-    /// Updates the bent nodes for the positions `q`.
+    /// Updates corners and bends for the positions `q`.
     fn find_bends(&mut self, q: &[f64]) {
         if let Some(Corners::Bends { bends, .. }) = &mut self.corners {
             bends.find([&self.sides.secondary, &self.sides.primary], q);
         }
     }
 
-    /// Slack of the constraint of a point opposite these facets in this step, relative to that of a corner; `None` without a constraint.
+    /// Slack of the constraint of a point opposite the given facets in this step, relative to that of a corner; `None` if the point has no
+    /// constraint.
     fn slack_beside(&self, point: usize, facets: &[u32]) -> Option<f64> {
         match &self.corners {
             Some(Corners::Points(points)) if !points[point] => None,
@@ -196,7 +198,7 @@ impl NodeToSegment {
         }
     }
 
-    /// Point of contact element `p`.
+    /// Index of the secondary node of contact element `p`.
     fn point(&self, p: usize) -> usize {
         self.sides.patches.rows(p)[0] as usize / self.rows_per_node()
     }
@@ -222,9 +224,9 @@ impl NodeToSegment {
     fn admits(&self, point: usize, facet: u32, normals: &[[f64; 2]], predicted_motion: &PredictedMotion) -> bool {
         let (node, ends) = (self.points.nodes()[point], self.sides.primary.facets()[facet as usize]);
         let seen = NodePosition::new(node, ends, predicted_motion.q);
-        // At a sharp corner, such as a folded tip, one of both adjacent facets with an opposite normal suffices.
+        // At a sharp corner, such as a folded tip, it suffices that one of both adjacent facets has an opposite normal.
         let is_opposite = |normal: &[f64; 2]| normal[0] * seen.along[1] - normal[1] * seen.along[0] <= SAME_WAY;
-        // Beside a facet the distance from its line is no measure of penetration.
+        // If the closest point is an end of the facet, the distance from the facet's line is no measure of penetration.
         let depth = if seen.end.is_none() || seen.gap > 0.0 { seen.gap } else { -seen.distance };
         seen.distance <= self.sides.facet_size + predicted_motion.motion_bound::<2>(&[node], &ends) + predicted_motion.depth
             && normals.iter().any(is_opposite)
@@ -273,7 +275,7 @@ impl NodeToSegment {
         }
     }
 
-    /// Concave corner of the other side that contains the point, if the point is near it.
+    /// Concave corner (pocket) of the other side that contains the point, if the point is near its vertex.
     fn pocket(&self, start: &Start) -> Option<[[u32; 2]; 2]> {
         self.corners.as_ref()?;
         let measure = start.chain.measure(&start.positions, &start.closest)?;
@@ -282,9 +284,9 @@ impl NodeToSegment {
         pocket.filter(|branches| is_near && branches.iter().all(|[facet, _]| start.closest[*facet as usize]))
     }
 
-    /// Facet whose line defines the gap of a corner that crosses one of the other side; `Some(None)`: no gap; `None`: no crossing.
+    /// Facet whose line defines the gap of a corner that crosses a corner of the other side; `Some(None)`: no gap; `None`: no crossing.
     fn crossed(&self, p: usize, start: &Start, q: &[f64]) -> Option<Option<u32>> {
-        // Without corner constraints of the other side the usual gap holds.
+        // If corners of the other side have no constraints, the usual gap applies.
         let Some(Corners::Bends { is_mutual: true, .. }) = self.corners else { return None };
         let measure = start.chain.measure(&start.positions, &start.closest)?;
         let tip = self.tip(self.point(p), q)?;
@@ -303,7 +305,7 @@ impl NodeToSegment {
         }
     }
 
-    /// Point with both adjacent nodes.
+    /// Corner at a secondary node, with both adjacent nodes.
     fn tip(&self, point: usize, q: &[f64]) -> Option<Tip> {
         let &[one, other] = self.own_facets(point) else { return None };
         let [one, other] = [one, other].map(|facet| self.sides.secondary.facets()[facet as usize]);
@@ -312,7 +314,7 @@ impl NodeToSegment {
         Some(Tip { before, at, after })
     }
 
-    /// True if a corner is too deep for a constraint: its facets belong to the far side of the body, or to an initial overlap.
+    /// True if a corner is too deep for a constraint: the facets belong to the far side of the body, or to an initial overlap.
     fn is_sunk(&self, start: &Start) -> bool {
         self.corners.is_some() && start.measures.iter().flatten().any(|measure| measure.gap <= -SUNK * self.sides.facet_size)
     }
@@ -327,7 +329,8 @@ fn with_neighbors(surface: &Surface, facets: &[u32]) -> Vec<u32> {
     all
 }
 
-/// Pairs (point, primary facet) that can never be in contact, ascending: those of the facets adjacent to the point.
+/// Pairs (point, primary facet) of self-contact that are excluded, ascending: pairs that are excluded for one of the facets adjacent to the
+/// point.
 fn points_within_the_body(secondary: &Surface, primary: &Surface, reference: &[f64]) -> Vec<[u32; 2]> {
     let mut pairs = Vec::new();
     for [own, other] in within_the_body(secondary, primary, reference) {
@@ -437,7 +440,7 @@ impl CandidateSearch for NodeToSegment {
             let end = NodePosition::new(node, ends, q_1);
             let closed = end.end.is_none() && end.gap < -tolerance && self.window.admits_depth(0, self.own_facets(point), facet, end.gap);
             closed && NodePosition::new(node, ends, q_0).gap > 0.0 && {
-                // The facet would have been admitted if the motion had been known at the start.
+                // Count only facets that would have been admitted if the motion had been known at the start.
                 let p = self.facets.iter().enumerate().position(|(p, _)| self.point(p) == point);
                 let was = p.is_some_and(|p| {
                     let start = &self.start[p];
@@ -504,7 +507,7 @@ mod tests {
         )
     }
 
-    /// Node 0 in the middle of a surface that faces down, over the chain of nodes 1 to 4 with the body below.
+    /// Node 0 in the middle of a surface that faces down, above the chain of nodes 1 to 4 with the body below.
     fn node_on_chain(q_0: &[f64]) -> NodeToSegment {
         let mut reference = q_0.to_vec();
         reference.extend([q_0[0] - 1.0, q_0[1], q_0[0] + 1.0, q_0[1]]);
@@ -533,7 +536,7 @@ mod tests {
             let rows = dense_rows(&kernel, &out.gradient_bar, 14);
             let (start, moved) = (kernel.start_gap(), difference(&to, &from));
             for (row, gradient) in rows.iter().enumerate() {
-                // Positions up to 5 (round-off 1e-15) times gradients, which are large where the function jumps at an end.
+                // Scale of the round-off: positions up to 5, and gradients, which are large where the function jumps at an end.
                 let size: f64 = 1.0 + gradient.iter().map(|g| g.abs()).sum::<f64>();
                 let defect = product(gradient, &moved) - (out.gap[row] - start[row]);
                 prop_assert!(defect.abs() < 1e-14 * size, "{defect:e} of {size}");
@@ -554,11 +557,11 @@ mod tests {
             let (from, to) = (with_ends(&q_0, &q_0), with_ends(&q_1, &q_0));
             let width = q_0.iter().zip(&q_1).fold(0.0, |largest: f64, (a, b)| largest.max((b - a).abs()));
             if width < 1e-3 {
-                // Round-off of the quotient (1e-15 over the increment) exceeds the difference.
+                // For tiny increments the round-off of the quotient (1e-15 over the increment) exceeds the compared difference.
                 return Ok(());
             }
             let step = f64::min(2e-4, 0.005 * width);
-            // One facet for all difference quotients: no kink and no end of the chain near the evaluated configurations.
+            // All difference quotients must use one facet: no kink and no end of the chain near the evaluated configurations.
             let facet = |q: &[f64], row: usize| {
                 let p = (0..kernel.patches().len()).find(|&p| kernel.patches().rows(p)[0] as usize == row).unwrap();
                 kernel.start[p].measures(&{
@@ -597,7 +600,7 @@ mod tests {
                     for i in 0..unknowns {
                         let expected = (a[i] - 8.0 * b[i] + 8.0 * c[i] - d[i]) / (12.0 * step);
                         let ours = tangent[i * unknowns + column];
-                        // Difference quotients of width 5e-3 of the increment; round-off 1e-13 over a step of at least 5e-6.
+                        // Error of difference quotients of width 5e-3 of the increment; round-off is 1e-13 over a step of at least 5e-6.
                         prop_assert!((ours - expected).abs() < 1e-6 * size, "{derivative:?} [{i}][{column}] {ours} {expected}");
                     }
                 }
@@ -628,7 +631,7 @@ mod tests {
         }
     }
 
-    /// Facets that pass through each other while the candidate list is kept are not opposite (as for mortar).
+    /// Facets that pass each other while the candidate list is kept are not opposite any more, as for mortar methods.
     #[test]
     fn facets_that_have_moved_apart_are_no_opposite() {
         let q_0 = [0.0, 0.0, 1.0, 0.0, 1.0, -0.1, 0.0, -0.1];
@@ -641,7 +644,7 @@ mod tests {
         assert_eq!((kernel.gap(&q_1), kernel.coverage(&q_1)), (vec![0.0; 2], vec![0.0; 2]));
     }
 
-    /// Nodes whose normals equal those of the nearest facets, as on the far side of a thin plate, have no opposite facet.
+    /// Nodes whose normals have the direction of the nearest facets' normals, as on the far side of a thin plate, have no opposite facet.
     #[test]
     fn the_back_of_a_thin_body_is_no_opposite() {
         // Chain along x with the body below; the surface above faces up.

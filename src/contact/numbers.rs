@@ -47,7 +47,7 @@ impl<T: DualNumCopy<Primitive = f64>> Number for T {
     }
 }
 
-/// `N` numbers that are computed together; branches of a formula depend on the first one.
+/// `N` numbers that are computed together; branches of a formula are decided by the first number.
 #[derive(Clone, Copy, Debug)]
 pub struct Each<const N: usize>(pub [f64; N]);
 
@@ -131,7 +131,7 @@ pub struct Jet<const N: usize> {
 }
 
 impl<const N: usize> Jet<N> {
-    /// Unknown with derivative 1 in `lane`, or a constant without a lane.
+    /// Unknown with derivative 1 in the given lane; a constant if `lane` is `None`.
     #[inline(always)]
     pub fn unknown(re: f64, lane: Option<usize>) -> Self {
         Jet { re, eps: std::array::from_fn(|k| if Some(k) == lane { 1.0 } else { 0.0 }) }

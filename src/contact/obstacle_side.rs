@@ -8,12 +8,12 @@ pub(super) struct Local<const D: usize> {
     pub gap: f64,
     pub normal: SVector<f64, D>,
     pub curvature: SMatrix<f64, D, D>,
-    /// True where the point is opposite the obstacle.
+    /// True if the point is opposite the obstacle.
     pub covered: bool,
 }
 
 impl<const D: usize> Local<D> {
-    /// Distance where the obstacle has no surface: zero, without a gradient.
+    /// Value at points that are not opposite the obstacle's surface: distance zero, without a gradient.
     pub fn none() -> Self {
         Local { gap: 0.0, normal: SVector::zeros(), curvature: SMatrix::zeros(), covered: false }
     }
@@ -31,6 +31,6 @@ pub(super) trait ObstacleSide<const D: usize>: Clone + Send + Sync {
     fn between(&self, x_0: SVector<f64, D>, x_1: SVector<f64, D>, size: f64) -> (SVector<f64, D>, SMatrix<f64, D, D>);
     /// True if rims of cylinders touch the obstacle like a plane.
     fn takes_rims(&self) -> bool;
-    /// Change of the distance on the straight path between two points, in units of `near`; true if the path crosses the obstacle.
+    /// Change of the distance on the straight path between two points, in units of `near`; and true if the path crosses the obstacle.
     fn passage(&self, x_0: SVector<f64, D>, x_1: SVector<f64, D>, near: f64) -> (f64, bool);
 }

@@ -17,7 +17,7 @@ use super::window::{MotionBound, PredictedMotion};
 use crate::integrators::Derivative;
 use crate::math::workers::Workers;
 
-/// Contact method on points (the inner method), with the interface of a method on the nodes.
+/// Contact method on points (the inner method), presented as a method on the nodes.
 pub(super) struct OnCurves {
     /// Inner method; its node numbers are point numbers.
     inner: Box<dyn ContactKernel>,
@@ -28,7 +28,8 @@ pub(super) struct OnCurves {
     /// Inner constraints as combinations of outer ones, `S`.
     rows: Combinations,
     row_nodes: Vec<u32>,
-    /// Home nodes of each point, the nodes that define the point; inner contact elements with equal home nodes are merged.
+    /// Home nodes of each point: the nodes whose multipliers the point interpolates. Inner contact elements with equal home nodes are
+    /// merged.
     homes: Combinations,
     /// Inner contact elements merged into each outer one.
     members: Vec<Vec<Member>>,
@@ -58,8 +59,8 @@ struct Scratch {
 }
 
 impl OnCurves {
-    /// Inner method on `points`. `rows` are its constraints as combinations of outer ones, `homes` the home nodes of points, `sides` its
-    /// surfaces between nodes, `row_nodes` the nodes that own constraints, if nodes do.
+    /// Makes the outer method for the inner method `inner` on `points`. `rows`: inner constraints as combinations of outer constraints;
+    /// `homes`: home nodes of the points; `sides`: surfaces between nodes; `row_nodes`: nodes to which constraints belong, if any.
     pub fn new(inner: Box<dyn ContactKernel>, sides: Sides, [points, rows, homes]: [Combinations; 3], row_nodes: Vec<u32>) -> Self {
         let mut weights = vec![0.0; if row_nodes.is_empty() { inner.rows() } else { inner.rows_per_node() * row_nodes.len() }];
         rows.add_values_back(inner.weights(), &mut weights);
@@ -79,7 +80,7 @@ impl OnCurves {
         curved
     }
 
-    /// Lists the outer contact elements from the inner ones.
+    /// Merges the inner contact elements into outer ones.
     fn list(&mut self) {
         let inner = self.inner.patches();
         let mut places = BTreeMap::new();
@@ -135,7 +136,8 @@ impl OnCurves {
         sums
     }
 
-    /// Adds the covered shares of the outer constraints to `sums`; `each` tangential constraints per normal one, or 1.
+    /// Adds the covered fractions of the inner constraints to those of the outer constraints, `sums`. `each`: tangential constraints per
+    /// normal constraint, or 1 for normal constraints.
     fn cover(&self, each: usize, coverage: &[f64], sums: &mut [f64]) {
         for (entry, share) in coverage.iter().enumerate().filter(|(_, share)| **share != 0.0) {
             let weight = self.inner.weights()[entry / each];
@@ -188,8 +190,8 @@ impl OnCurves {
         }
     }
 
-    /// Transforms an evaluation of the inner method to the nodes, for normal constraints (`each` = 1) or `each` tangential ones per normal
-    /// constraint. `pressing` are the inner multipliers.
+    /// Transforms an evaluation of the inner method to the nodes, for normal constraints (`each` = 1) or `each` tangential constraints per
+    /// normal one. `pressing` are the inner multipliers.
     fn on_nodes(
         &self,
         [of, own]: [&Patches; 2],
@@ -248,7 +250,7 @@ fn place(list: &mut Vec<u32>, item: u32) -> u32 {
     }) as u32
 }
 
-/// Calls `then` with the predicted motion of the points in place of that of the nodes.
+/// Calls `then` with the predicted motion of the points instead of that of the nodes.
 fn with_seen<T>(points: &Combinations, d: usize, predicted_motion: &PredictedMotion, then: impl FnOnce(&PredictedMotion) -> T) -> T {
     let q = points.points(d, predicted_motion.q);
     match predicted_motion.motion_bound {

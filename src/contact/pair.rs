@@ -63,21 +63,22 @@ pub type PerNode<T> = [T; 2];
 #[derive(Clone, Copy, Debug)]
 pub struct Overlap<'a> {
     pub(super) pi: Invariants,
-    /// Ends `a`, `b` in the secondary coordinate, and true for each end at a primary node.
+    /// Ends `a`, `b` of the overlap in the secondary coordinate; `moves`: true for each end that is at a primary node.
     pub(super) ends: [f64; 2],
     pub(super) moves: [bool; 2],
-    /// `b - a`; shape functions at the middle of the overlap; distance of this middle from that of the primary facet (in units of `s`).
+    /// Length `b - a` of the overlap; shape functions at its middle; distance of its middle from that of the projected primary facet, in
+    /// units of `s`.
     pub(super) length: f64,
     middle: PerNode<f64>,
     shift: f64,
-    /// `pi_2 - pi_3`, and slope `pi_5 / (pi_2 - pi_3)` of the primary facet relative to the secondary one.
+    /// Projected length `pi_2 - pi_3` of the primary facet, and its slope `pi_5 / (pi_2 - pi_3)` relative to the secondary facet.
     pub(super) extent: f64,
     pub(super) slope: f64,
     /// Height profiles of both facets; `None` where both are straight.
     profiles: Option<&'a PairProfiles>,
 }
 
-/// Sign of the linear part of the shape functions `N_1 = 1 - s`, `N_2 = s`.
+/// Derivatives of the shape functions `N_1 = 1 - s`, `N_2 = s`.
 const RISE: PerNode<f64> = [-1.0, 1.0];
 
 impl<'a> Overlap<'a> {
@@ -94,7 +95,7 @@ impl<'a> Overlap<'a> {
         overlaps(pi).then(|| Overlap::between(pi, moves, profiles))
     }
 
-    /// True for each end at a primary node that is farther than [`ALIGNED`] from a secondary node.
+    /// True for each end of the overlap at a primary node that is farther than [`ALIGNED`] from every secondary node.
     pub fn clearly_moving_ends(&self) -> [bool; 2] {
         [self.moves[0] && self.ends[0] > ALIGNED, self.moves[1] && self.ends[1] < 1.0 - ALIGNED]
     }
@@ -112,7 +113,7 @@ impl<'a> Overlap<'a> {
             moves,
             length: b - a,
             middle: [1.0 - middle, middle],
-            // Exactly zero if both ends are primary nodes.
+            // This form is exactly zero if both ends are primary nodes.
             shift: 0.5 * ((a - s_2) + (b - s_1)),
             extent,
             slope: pi[4] / extent,
@@ -223,7 +224,7 @@ impl<'a> Overlap<'a> {
         h
     }
 
-    /// Integrals of a linear weight function over the overlap, given its value in the middle and its slope.
+    /// Integrals over the overlap of a linear weight function, given by its value at the middle and its slope.
     #[inline(always)]
     fn integrals(&self, middle: f64, rise: f64) -> Integrals {
         let one = self.length * middle;
@@ -239,7 +240,7 @@ struct Integrals {
     lever: f64,
 }
 
-/// `Dpi(z)^T g` with respect to the four nodes `(x_1, x_2, y_1, y_2)`.
+/// Gradient `Dpi(z)^T g` with respect to the four nodes `(x_1, x_2, y_1, y_2)`.
 ///
 /// The first node gets minus the sum of the others, so that the forces sum to zero up to the rounding of that sum.
 #[inline(always)]
@@ -248,7 +249,7 @@ pub fn pull_back(z: &Offsets, g: &Invariants) -> [f64; 8] {
     [-(a + c + e), -(b + d + f), a, b, c, d, e, f]
 }
 
-/// `Dpi(z)^T g` with respect to the vectors `t`, `d_1`, `d_2`.
+/// Gradient `Dpi(z)^T g` with respect to the vectors `t`, `d_1`, `d_2`.
 #[inline(always)]
 fn pull_back_offsets(z: &Offsets, g: &Invariants) -> Offsets {
     let &[t_x, t_y, d_x, d_y, e_x, e_y] = z;
@@ -268,7 +269,7 @@ fn pull_back_offsets(z: &Offsets, g: &Invariants) -> Offsets {
 /// of the invariants.
 #[inline(always)]
 pub fn tangent_into(test: &Offsets, trial: &Offsets, share: f64, g: &Invariants, t: &[Invariants; 5], out: &mut [f64; 64]) {
-    // First 6 x 6 in t, d_1, d_2: rows T Dpi(trial), then columns Dpi(test)^T (...).
+    // First the 6 x 6 matrix in t, d_1, d_2: rows T Dpi(trial), then columns Dpi(test)^T (...).
     let half: [Offsets; 5] = std::array::from_fn(|k| pull_back_offsets(trial, &t[k]));
     let mut block = [[0.0; 6]; 6];
     for column in 0..6 {
@@ -358,7 +359,7 @@ mod tests {
         Overlap::new(pi, profiles).map_or([0.0; 2], |overlap| overlap.value())
     }
 
-    /// True if a limit of overlap is so near that difference quotients of width `step` would cross it.
+    /// True if difference quotients of width `step` would cross a limit of overlap.
     fn near_limit(pi: &Invariants, step: f64) -> bool {
         let near = |x: f64, limit: f64| (x - limit).abs() < 10.0 * step;
         near(pi[1], 0.0) || near(pi[2], 0.0) || near(pi[1], pi[0]) || near(pi[2], pi[0]) || pi[1] - pi[2] < 0.1 || pi[0] < 0.1
@@ -385,7 +386,7 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig { cases: 2000, rng_seed: RngSeed::Fixed(2007), failure_persistence: None, ..Default::default() })]
 
-        /// Oracle: the integral from the geometry by two-point Gauss quadrature on the segment (exact for the quadratic integrand).
+        /// Oracle: the integral computed from the geometry by two-point Gauss quadrature on the segment, exact for the quadratic integrand.
         #[test]
         fn values_are_the_integrals_over_the_overlap(x in nodes()) {
             let [x_1, x_2, y_1, y_2] = x;
@@ -405,7 +406,7 @@ mod tests {
                 }
             }
             let ours = value(&of(x), None);
-            // Round-off grows with the slope of the primary facet relative to the secondary one.
+            // Round-off grows as the projected primary facet becomes short, that is steep relative to the secondary facet.
             let tolerance = 1e-14 * (1.0 + 1.0 / (s_1 - s_2).abs());
             prop_assert!((0..2).all(|k| (ours[k] - expected[k]).abs() < tolerance), "{ours:?} against {expected:?}");
         }
@@ -464,7 +465,7 @@ mod tests {
         for y in [[[3.0, -0.1], [2.0, -0.1]], [[0.0, -0.1], [1.0, -0.1]], [[0.5, -0.1], [0.5, -0.2]], [[f64::NAN, 0.0], [0.0, 0.0]]] {
             assert!(Overlap::new(&of([[0.0, 0.0], [1.0, 0.0], y[0], y[1]]), None).is_none());
         }
-        // Facet of zero length.
+        // A secondary facet of zero length.
         assert!(Overlap::new(&of([[0.0, 0.0], [0.0, 0.0], [1.0, 0.0], [0.0, 0.0]]), None).is_none());
     }
 

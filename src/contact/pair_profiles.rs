@@ -30,7 +30,7 @@ use super::pair::{Invariants, Overlap, PerNode};
 use super::profile::PairProfiles;
 use crate::elements::GAUSS;
 
-/// Depth `D` at a point of the secondary facet, with derivatives.
+/// Added depth `D` at a point of the secondary facet, with derivatives.
 struct AddedDepth {
     depth: f64,
     /// Derivative with respect to `s`.
@@ -139,7 +139,7 @@ impl Overlap<'_> {
             let s = self.ends[end];
             let AddedDepth { depth, along, gradient, .. } = self.added_depth(profiles, s);
             let weight = sign * at(s);
-            // Derivative of the moving end with respect to the invariants.
+            // Derivative of the coordinate of a moving end with respect to the invariants.
             let mut moved = [0.0; 5];
             (moved[0], moved[node]) = (-s * inverse, inverse);
             let square = sign * (weights[1] - weights[0]) * depth + weight * along;

@@ -12,7 +12,7 @@ pub(super) struct Start {
     pub(super) invariants: Invariants,
     pub(super) value: PerNode<f64>,
     pub(super) overlaps: bool,
-    /// True for each end of the overlap at a primary node; `None` without overlap.
+    /// True for each end of the overlap that is at a primary node at the start of the step; `None` without overlap.
     pub(super) steady_ends: Option<[bool; 2]>,
     pub(super) shape: Shape,
 }
@@ -29,7 +29,7 @@ pub(super) fn covered_length(shape: &Shape, pi: &Invariants, overlap: &Overlap) 
     combined(shape, &overlap.coverage()).map(|share| share * pi[0].sqrt())
 }
 
-/// Combination of values for the standard shape functions to those for `shape`.
+/// Transforms values for the standard shape functions into values for the multiplier shape functions `shape`.
 #[inline(always)]
 pub(super) fn combined(shape: &Shape, of_standard: &PerNode<f64>) -> PerNode<f64> {
     shape.map(|row| row[0] * of_standard[0] + row[1] * of_standard[1])
@@ -70,7 +70,7 @@ pub(super) struct Functions<'a> {
     pub(super) end_value: PerNode<f64>,
     pub(super) end_gradient: &'a PerNode<Invariants>,
     pub(super) middle: &'a Option<Overlap<'a>>,
-    /// Multipliers of both constraints.
+    /// Multipliers of both constraints of the pair.
     pub(super) weights: PerNode<f64>,
     /// Round-off of the invariants `[length^2]`.
     pub(super) round_off: f64,
@@ -112,7 +112,7 @@ impl Functions<'_> {
         let middle_gradient = gradient(&start.shape, self.middle);
         let square = dot(&d, &d);
         let remainder = [0, 1].map(|k| end_value[k] - start.value[k] - dot(&middle_gradient[k], &d));
-        // In a small step only a kink gives a remainder above round-off.
+        // In small steps the remainder is round-off, unless there is a kink.
         let is_doubtful = square <= INVARIANT_INCREMENT * INVARIANT_INCREMENT * dot(self.end_pi, self.end_pi);
         let is_round_off = |k: usize| {
             let sizes: f64 = middle_gradient[k].iter().zip(&d).map(|(g, d)| (g * d).abs()).sum();
@@ -142,7 +142,7 @@ impl Functions<'_> {
         Differentiated { bar, weighted_bar, slope }
     }
 
-    /// Gradient at one configuration, with the overlap there.
+    /// Gradients at a single configuration, with the overlap there.
     #[inline(always)]
     pub(super) fn plain(&self, overlap: &Option<Overlap>, placement: Placement) -> Differentiated {
         let bar = if placement.trial == Configuration::End { *self.end_gradient } else { gradient(&self.start.shape, overlap) };

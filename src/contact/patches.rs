@@ -3,8 +3,8 @@
 //! Contact element `p` with `k` nodes and `m` constraints has `n = k * dimension` unknowns, node by node as in [`Patches::nodes`]. Its
 //! gradient blocks are `m x n`, its tangent block `n x n`, row-major, at [`Patches::gradient_range`] and [`Patches::tangent_range`].
 //!
-//! An evaluation has room for all elements, at [`Patches::gradient_range`] and [`Patches::tangent_range`], or, after
-//! [`Evaluation::begin_live`], for the live ones alone: in space most candidates are not, and a pair of quadrilaterals has 6.1 kB.
+//! An evaluation stores the blocks of all elements, or after [`Evaluation::begin_live`] only those of *live* elements, whose blocks are
+//! nonzero. In space most candidates are not live, and the blocks of a pair of quadrilaterals take 6.1 kB.
 
 use std::ops::Range;
 
@@ -17,7 +17,7 @@ pub struct Patches {
     starts: Vec<Starts>,
 }
 
-/// Offsets of an element's data in the flat arrays.
+/// Offsets of a contact element's data in the flat arrays.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Starts {
     nodes: usize,
@@ -112,10 +112,10 @@ impl Patches {
     }
 }
 
-/// Numbers of one evaluation of a step. Each kernel has its own, whose storage is reused.
+/// Numbers of one evaluation of a step. Each kernel keeps one evaluation and reuses its storage.
 #[derive(Clone, Debug, Default)]
 pub struct Evaluation {
-    /// True for each contact element with nonzero blocks.
+    /// True for each live contact element, whose blocks are nonzero.
     pub live: Vec<bool>,
     /// `G_1 = grad Phi(q_1)` per contact element: the constraint rows of Newton's system.
     pub gradient_end: Vec<f64>,
@@ -135,7 +135,7 @@ pub struct Evaluation {
 const NO_ROOM: usize = usize::MAX;
 
 impl Evaluation {
-    /// Sizes the storage for the contact elements `patches` and the number of `constraints`; sets gaps and coverage to zero. Blocks of
+    /// Allocates storage for the contact elements `patches` and the given number of constraints; sets gaps and coverage to zero. Blocks of
     /// unchanged size keep their values, so that a kernel clears only those that were nonzero.
     pub fn prepare(&mut self, patches: &Patches, constraints: usize) {
         let last = patches.starts[patches.len()];
@@ -147,7 +147,7 @@ impl Evaluation {
             for (blocks, length) in
                 [(&mut self.gradient_end, last.gradient), (&mut self.gradient_bar, last.gradient), (&mut self.tangent, last.tangent)]
             {
-                // Zeroed memory that is never written takes no pages: most candidates have no numbers.
+                // Zeroed memory that is never written occupies no pages, and most candidates stay without values.
                 *blocks = Vec::new();
                 *blocks = vec![0.0; length];
             }
@@ -155,7 +155,7 @@ impl Evaluation {
         self.clear_sums(constraints);
     }
 
-    /// Evaluation of one normal constraint that is always present and exerts no force.
+    /// Evaluation of a single normal constraint that is always present and exerts no force.
     pub(crate) fn prepare_without_force(&mut self, patches: &Patches) {
         self.prepare(patches, 1);
         self.coverage.fill(1.0);
@@ -165,8 +165,8 @@ impl Evaluation {
         }
     }
 
-    /// Begins an evaluation that stores blocks of live contact elements alone, which follow in ascending order by [`Self::open`]; sets gaps
-    /// and coverage to zero.
+    /// Begins an evaluation that stores the blocks of live contact elements only, which are added in ascending order by [`Self::open`];
+    /// sets gaps and coverage to zero.
     pub(crate) fn begin_live(&mut self, patches: &Patches, constraints: usize) {
         self.live.clear();
         self.live.resize(patches.len(), false);
@@ -210,14 +210,14 @@ impl Evaluation {
         placed(patches.tangent_range(p), self.places.get(p).map(|[_, first]| *first))
     }
 
-    /// Passes the tangent blocks of live contact elements to a receiver, in ascending order, and frees them as [`Self::drop_tangent`] does.
+    /// Passes the tangent blocks of live contact elements to a receiver in ascending order, then frees them by [`Self::drop_tangent`].
     pub fn hand_tangents_over(&mut self, patches: &Patches, receiver: &mut dyn FnMut(usize, &[f64])) {
         let ranges = (0..patches.len()).filter(|&p| self.live[p]).map(|p| (p, self.tangent_range(patches, p)));
         ranges.filter(|(_, range)| !range.is_empty()).for_each(|(p, range)| receiver(p, &self.tangent[range]));
         self.drop_tangent();
     }
 
-    /// Frees the tangent blocks, unless the blocks of all contact elements are stored: that storage is used again.
+    /// Frees the tangent blocks of an evaluation of live contact elements; storage for all elements is kept for reuse.
     pub fn drop_tangent(&mut self) {
         if !self.places.is_empty() {
             self.tangent = Vec::new();
@@ -235,7 +235,7 @@ impl Evaluation {
         }
     }
 
-    /// Copy of the evaluation that stores the blocks of all contact elements.
+    /// Copy of the evaluation with storage for the blocks of all contact elements.
     #[cfg(test)]
     pub(crate) fn with_room(self, patches: &Patches) -> Evaluation {
         let mut all = Evaluation::default();
@@ -257,7 +257,7 @@ impl Evaluation {
     }
 }
 
-/// Range of a block: `everywhere` if all contact elements are stored, else from its own start `first`; empty for [`NO_ROOM`].
+/// Range of a block: `everywhere` if all contact elements are stored, otherwise it starts at `first`; empty for [`NO_ROOM`].
 fn placed(everywhere: Range<usize>, first: Option<usize>) -> Range<usize> {
     match first {
         None => everywhere,
@@ -322,7 +322,7 @@ mod tests {
         assert_eq!((out.tangent_range(&patches, 1), out.tangent_range(&patches, 2)), (0..0, 0..16));
         out.drop_tangent();
         assert_eq!((out.tangent.capacity(), out.tangent_range(&patches, 2)), (0, 0..0));
-        // `prepare` restores the storage of all contact elements.
+        // `prepare` switches back to storage for all contact elements.
         out.prepare(&patches, 3);
         assert_eq!((out.live.contains(&true), out.gradient_range(&patches, 1), out.tangent.len()), (false, 4..10, 68));
         assert!(out.gradient_end.iter().all(|entry| *entry == 0.0));

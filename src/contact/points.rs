@@ -47,35 +47,35 @@ impl PointVector {
     }
 }
 
-/// Constraint function of the vectors of its group.
+/// Constraint function: quadratic polynomial of the vectors of its group.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PointFunction {
     /// Scalar products of two vectors (indices), with their coefficients `[1/length]`.
     pub products: Vec<(usize, usize, f64)>,
-    /// Projections: index of the vector, and the direction that it is projected on.
+    /// Linear terms: index of a vector, and the vector `g_a` by which it is multiplied.
     pub linear: Vec<(usize, [f64; 3])>,
     /// Constant term `[length]`.
     pub constant: f64,
 }
 
-/// Constraint function for each value of a prescribed coordinate, such as an angle.
+/// Constraint function for a given value of a prescribed coordinate, such as an angle.
 pub type DrivenFunction = Box<dyn Fn(f64) -> PointFunction + Send + Sync>;
 
-/// Dependence of a group's function on a coordinate that is prescribed over time.
+/// Prescribed coordinate of a group's function.
 struct Drive {
     function: DrivenFunction,
-    /// Function at the start, and in the middle of the step.
+    /// Function for the coordinate at the start, and for that in the middle of the step.
     start: PointFunction,
     middle: PointFunction,
 }
 
-/// Functions of the same nodes; they form one contact element.
+/// Functions of the same vectors and nodes, which form one contact element.
 struct Group {
     nodes: Vec<u32>,
     vectors: Vec<PointVector>,
-    /// Functions of the group; a driven one belongs to the end of the step.
+    /// Functions of the group; a function with a prescribed coordinate is that at the end of the step.
     functions: Vec<PointFunction>,
-    /// Drive of the only function of the group, if a coordinate is prescribed.
+    /// Prescribed coordinate, if the group has one and a single function.
     drive: Option<Drive>,
     first_row: usize,
     /// True if the ground is one of the joined bodies: the functions are not invariant under rigid motions of all nodes.
@@ -83,12 +83,12 @@ struct Group {
 }
 
 impl Group {
-    /// Functions at the start of the step.
+    /// Functions of the group for the coordinate at the start of the step.
     fn at_start(&self) -> &[PointFunction] {
         self.drive.as_ref().map_or(&self.functions, |drive| std::slice::from_ref(&drive.start))
     }
 
-    /// Functions in the middle of the step.
+    /// Functions of the group for the coordinate in the middle of the step.
     fn in_middle(&self) -> &[PointFunction] {
         self.drive.as_ref().map_or(&self.functions, |drive| std::slice::from_ref(&drive.middle))
     }
@@ -190,7 +190,7 @@ impl PointConstraints {
         values
     }
 
-    /// Values, gradients and tangent of a step from `q_0` (empty: no step) to `q_1`.
+    /// Values, gradients and tangent of a step from `q_0` to `q_1`; without a step `q_0` is empty.
     pub fn evaluate_from(&self, q_0: &[f64], derivative: Derivative, q_1: &[f64], lambda: &[f64], out: &mut Evaluation) {
         let patches = &self.sides.patches;
         out.prepare(patches, self.sides.weights.len());
@@ -307,7 +307,7 @@ impl RigidObstacle for PointConstraints {
                 let gradients = &out.gradient_bar[first + (row - group.first_row) * count..][..count];
                 let place = |entry: usize| group.nodes[entry / d] as usize * d + entry % d;
                 if group.is_grounded {
-                    // The force of the ground has no reaction at a node.
+                    // Forces on grounded constraints are external: the reaction acts on the ground, which has no nodes.
                     gradients.iter().enumerate().for_each(|(entry, gradient)| force[place(entry)] += pressure * gradient);
                 }
                 if group.drive.is_some() && !self.q_0.is_empty() {

@@ -1,4 +1,4 @@
-//! Press fits between polygons: interference that straight facets lose against the curves through their nodes (for `checks.rs`).
+//! Press fits between polygons: interference that is lost by straight facets in place of the curves through their nodes (for `checks.rs`).
 //!
 //! A polygon deviates from its curve by at most the sagitta `s = l theta/8` (facet length `l`, angle `theta` between adjacent facets), on
 //! average by `2/3 s`: inwards on a convex body, outwards on a hollow one. If the sagittas of both sides differ, the interference of the
@@ -18,21 +18,21 @@ const CURVE: f64 = 0.9;
 /// Largest difference of curvatures of matching surfaces, relative to the larger curvature.
 const FIT: f64 = 0.5;
 
-/// True if sides with these curvatures, positive for convex bodies, match.
+/// True if sides with the given curvatures, positive for convex bodies, match.
 pub(super) fn fit_each_other([a, b]: [f64; 2]) -> bool {
     (a + b).abs() <= FIT * a.abs().max(b.abs())
 }
 
-/// Interference in sagittas below which polygons interlock.
+/// Interference, in multiples of the sagitta, below which polygons interlock.
 const LOST: f64 = 0.5;
 
 /// Largest relative difference between the interferences of facets and curves.
 pub(super) const DISTORTED: f64 = 0.1;
 
-/// Distance beyond the ends of a facet, in its lengths, up to which a node in the wedge between two facets counts as opposite.
+/// Distance beyond the ends of a facet, in facet lengths, up to which a node still counts as opposite, in the wedge between two facets.
 const BESIDE: f64 = 0.1;
 
-/// Smallest number of facets of a curve with opposite nodes.
+/// Smallest number of facets with opposite nodes for which a fit of curves is assessed.
 pub(super) const FEW: usize = 3;
 
 /// Press fit between polygons on matching curves.
@@ -66,7 +66,7 @@ struct Arc {
     length: f64,
     /// Mean angle to both adjacent facets, positive on a convex body.
     turn: f64,
-    /// True where the facet has a height profile.
+    /// True if the facet has a height profile.
     is_followed: bool,
 }
 
@@ -76,7 +76,7 @@ impl Arc {
         0.5 * s * (1.0 - s) * self.length * self.turn
     }
 
-    /// Sagitta without a height profile, outwards `[length]`; 0 with one.
+    /// Sagitta that the facet neglects, outwards `[length]`; 0 with a height profile.
     fn neglected_sagitta(&self) -> f64 {
         if self.is_followed { 0.0 } else { self.rise(0.5) }
     }
@@ -106,7 +106,7 @@ pub fn polygon_fit(secondary: &Surface, primary: &Surface, q: &[f64], facets: Fa
     (overlaps.len() >= FEW && interference > 0.0).then_some(PolygonFit { interference, sagitta, lost })
 }
 
-/// Arcs of the facets of a surface; `None` for facets that do not follow a curve.
+/// Arcs represented by the facets of a surface; `None` for facets that do not follow a curve.
 fn arcs(surface: &Surface, q: &[f64], facets: FacetShape) -> Vec<Option<Arc>> {
     let profiles = FacetCurves::new(surface, q).profiles();
     let at = |node: u32| [q[2 * node as usize], q[2 * node as usize + 1]];
@@ -130,8 +130,8 @@ fn arcs(surface: &Surface, q: &[f64], facets: FacetShape) -> Vec<Option<Arc>> {
     (0..surface.facets().len() as u32).map(arc).collect()
 }
 
-/// Nearest arc with a normal opposite to that of `own` that has the point within its length, with the coordinate of the point on the arc
-/// and its gap to the facet `[length]`.
+/// Nearest arc with a normal opposite to that of `own`, within whose length the point lies; with the coordinate of the point on the arc and
+/// its gap to the facet `[length]`.
 fn opposite<'a>(x: [f64; 2], own: &Arc, others: &RTree<GeomWithData<[f64; 2], &'a Arc>>) -> Option<(&'a Arc, f64, f64)> {
     let seen = others.nearest_neighbor_iter(x).take(FEW).filter_map(|found| {
         let (arc, d) = (found.data, [x[0] - found.data.from[0], x[1] - found.data.from[1]]);

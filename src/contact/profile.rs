@@ -47,7 +47,7 @@ impl Profile {
         Profile([a + b + c + d + e, -b - 2.0 * c - 3.0 * d - 4.0 * e, c + 3.0 * d + 6.0 * e, -d - 4.0 * e, *e])
     }
 
-    /// True for a straight facet.
+    /// True if the profile is zero: a straight facet.
     pub fn is_flat(&self) -> bool {
         self.0 == [0.0; 5]
     }
@@ -73,8 +73,8 @@ impl Profile {
         (xi - inside) * slope + height
     }
 
-    /// Facet coordinate `xi = eta + tilt p(xi)` at which a straight line meets the curve: the line crosses the facet at `eta` and moves
-    /// along it by `tilt` per unit of height.
+    /// Facet coordinate `xi = eta + tilt p(xi)` of the intersection of the curve with a straight line, which crosses the facet at `eta` and
+    /// moves along it by `tilt` per unit of height.
     ///
     /// Three Newton iterations reach round-off for the value and for the derivatives of `T`, because slopes of profiles are below 0.3.
     #[inline(always)]
@@ -145,7 +145,7 @@ impl<'a> FacetCurves<'a> {
         curves
     }
 
-    /// Angle at a node between two facets `[rad]`, with the facets before and after it.
+    /// Angle at a node between its two facets `[rad]`, with the facets before and after it; `None` unless the node has two facets.
     fn turn_at(&self, node: usize) -> Option<(f64, [u32; 2])> {
         let &[one, other] = self.surface.adjacent_facets(node) else { return None };
         let [before, after] = if self.surface.local_facets()[one as usize][1] as usize == node { [one, other] } else { [other, one] };
@@ -165,7 +165,8 @@ impl<'a> FacetCurves<'a> {
         x.hypot(y)
     }
 
-    /// True if a facet follows a curve: the surface bends to one side at both of its nodes, or at one node while the other is sharp.
+    /// True if a facet follows a curve: the surface bends to the same side at both of its nodes, or bends at one node while the other is
+    /// sharp.
     fn is_curved(&self, facet: usize) -> bool {
         match self.surface.local_facets()[facet].map(|node| self.turns[node as usize]) {
             [NodeShape::Smooth(a), NodeShape::Smooth(b)] => a * b > 0.0,
@@ -185,7 +186,7 @@ impl<'a> FacetCurves<'a> {
         }
         let length = self.length(facet as u32);
         let (ends, neighbors) = (self.surface.local_facets()[facet], self.surface.neighbors(facet));
-        // Beside a straight facet the whole angle belongs to this facet.
+        // Next to a straight facet, the whole angle belongs to this facet.
         let angle = |end: usize| match (self.turns[ends[end] as usize], neighbors[end]) {
             (NodeShape::Smooth(turn), Some(other)) if self.is_curved(other as usize) => Some(turn * length / (length + self.length(other))),
             (NodeShape::Smooth(turn), _) => Some(turn),
@@ -221,7 +222,7 @@ mod tests {
         assert!((0..5).all(|k| (p.0[k] - q.0[k]).abs() < 1e-13), "{q:?}");
     }
 
-    /// Profiles of a chain through these points.
+    /// Profiles of a chain of facets through the given points.
     fn of_chain(points: &[[f64; 2]], is_closed: bool) -> Vec<Profile> {
         let count = points.len() as u32;
         let facets: Vec<[u32; 2]> = (0..if is_closed { count } else { count - 1 }).map(|k| [k, (k + 1) % count]).collect();

@@ -34,7 +34,7 @@ use super::profile::{FacetCurves, Profile};
 use super::surface::{Sides, Surface};
 use crate::math::tolerances;
 
-/// Numbers of facets per half edge: for edges of equal length on both sides, and the maximum.
+/// Number of facets per half edge if edges of both sides are equally long; `MOST_PIECES`: largest number.
 const PIECES: f64 = 2.0;
 const MOST_PIECES: f64 = 6.0;
 
@@ -48,12 +48,12 @@ const SMOOTH: f64 = 0.94;
 #[derive(Clone, Debug, Default)]
 pub struct ProxyNodes(Vec<[u32; 3]>);
 
-/// Kind of the constraints of the secondary side, which decides how contact represents that side.
+/// Kind of the constraints of the secondary side, which decides between which points its facets lie.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RowsOf {
-    /// Weighted integrals over the surface.
+    /// Weighted integrals over the surface: facets between all points.
     Facets,
-    /// Nodal constraints.
+    /// Nodal constraints: facets between the points of the nodes.
     Nodes,
 }
 
@@ -87,7 +87,7 @@ impl ProxyNodes {
         if is_nodal && let Some(lengths) = self.lengths(secondary, reference) {
             sides.weights = lengths;
         }
-        // Both sides of a self-contact need equal facets.
+        // Both sides of a self-contact must have the same facets.
         let is_same = secondary == primary;
         ProxySurfaces {
             secondary: if is_nodal { curves.halves(secondary) } else { curves.fine(secondary) }.into(),
@@ -131,7 +131,7 @@ fn edge_lengths([m, a, b]: [u32; 3], q: &[f64]) -> [f64; 3] {
     sums
 }
 
-/// Contact representation of two surfaces: facets between nodes, or between points on edges of second order.
+/// Surfaces as contact represents them: facets between nodes, or between points on edges of second order.
 pub struct ProxySurfaces<'a> {
     /// Facets of the secondary side.
     pub secondary: Cow<'a, [[u32; 2]]>,
@@ -145,7 +145,7 @@ pub struct ProxySurfaces<'a> {
 }
 
 impl ProxySurfaces<'_> {
-    /// Adds height profiles for the facet shape `Curved`.
+    /// Adds height profiles if the facet shape is `Curved`.
     pub fn of_shape(mut self, shape: FacetShape) -> Self {
         if shape == FacetShape::Curved {
             self.profiles = [&self.secondary, &self.primary].map(|facets| {
@@ -168,7 +168,7 @@ impl ProxySurfaces<'_> {
         self
     }
 
-    /// Transforms a contact method for these facets to the nodes of the model.
+    /// Transforms a contact method for the facets between points to the nodes of the model.
     pub fn on_nodes(self, mut kernel: Box<dyn ContactKernel>) -> Box<dyn ContactKernel> {
         if !self.profiles[0].is_empty() {
             kernel.set_profiles(self.profiles);
@@ -184,15 +184,15 @@ impl ProxySurfaces<'_> {
     }
 }
 
-/// Points on edges of second order.
+/// Points that divide second-order edges into straight facets, as linear combinations of the nodes.
 struct Curves {
-    /// Points as combinations of nodes.
+    /// Coefficients of the nodes in each point.
     points: Combinations,
     /// Point of each node.
     nodes: BTreeMap<u32, u32>,
     /// Points of each edge, ends included, by its mid-side node.
     edges: BTreeMap<u32, Vec<u32>>,
-    /// Nodes whose multipliers each point interpolates, with their shape function values.
+    /// Home nodes of each point: nodes whose multipliers it interpolates, with their shape function values.
     homes: Combinations,
     /// Height profiles of facets between points of one edge.
     profiles: BTreeMap<[u32; 2], Profile>,
@@ -211,12 +211,12 @@ struct Edge {
     sagitta: f64,
     /// Number of facets, even.
     pieces: u32,
-    /// Factor `r` of the offset in the shift of the points.
+    /// Factor `r` of the offset `d` in the positions of the points.
     raised: f64,
 }
 
 impl Edge {
-    /// Edge that is opposite facets of the given length between nodes `[length]`.
+    /// Edge in the reference positions, with its number of facets chosen for opposite facets of the given length `[length]`.
     fn new([middle, from, to]: [u32; 3], reference: &[f64], length: f64) -> Self {
         let [m, a, b] = [middle, from, to].map(|node| [reference[2 * node as usize], reference[2 * node as usize + 1]]);
         let chord = [b[0] - a[0], b[1] - a[1]];
@@ -270,7 +270,7 @@ impl Edge {
         [parabola[0] + circle[0] - h * (1.0 - 4.0 * square), parabola[1] + circle[1] + 8.0 * h * x]
     }
 
-    /// Height profile of the curve over a facet with these end points `[length]`; `origin` is the first node of the edge.
+    /// Height profile of the curve over a facet with the given end points `[length]`; `origin` is the first node of the edge.
     fn profile_over(&self, origin: [f64; 2], facet: [[f64; 2]; 2]) -> Profile {
         let square = dot(self.chord, self.chord);
         // Coordinates along the chord from its middle, and outwards, in chord lengths.
@@ -296,13 +296,13 @@ impl Edge {
         if is_flat { Profile::default() } else { Profile::new(first, last, mean) }
     }
 
-    /// Coefficients of `by` times the offset `d` in the three nodes.
+    /// Coefficients of the edge's three nodes in the vector `by d`, `d` being the offset of the mid-side node.
     fn across(&self, by: f64) -> [(u32, f64); 3] {
         let [a, b] = self.ends;
         [(self.middle, by), (a, -by * (0.5 - self.shift)), (b, -by * (0.5 + self.shift))]
     }
 
-    /// Coefficients of the parabola's point at the edge coordinate `s` in the three nodes.
+    /// Coefficients of the edge's three nodes in the point of the parabola at the edge coordinate `s`.
     fn point(&self, s: f64) -> [(u32, f64); 3] {
         let ([a, b], h) = (self.ends, 4.0 * s * (1.0 - s));
         [(self.middle, h), (a, 1.0 - s - 0.5 * h), (b, s - 0.5 * h)]
@@ -320,7 +320,7 @@ fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
     a[0] * b[0] + a[1] * b[1]
 }
 
-/// Edges whose offsets shift their common vertex, each with its end (0 or 1) there and its weight: two smoothly joined edges share the
+/// Edges whose offsets shift their common vertex, each with its end (0 or 1) there and its weight. Two smoothly joined edges share the
 /// vertex; at corners and ends each curved edge has the weight 1. `is_mixed`: a straight edge is adjacent, too.
 fn raising([coming, leaving]: &[Vec<Edge>; 2], is_mixed: bool) -> Vec<(Edge, usize, f64)> {
     if let ([one], [other], false) = (&coming[..], &leaving[..], is_mixed) {
@@ -338,9 +338,9 @@ fn raising([coming, leaving]: &[Vec<Edge>; 2], is_mixed: bool) -> Vec<(Edge, usi
 
 impl Curves {
     fn new(middles: &ProxyNodes, sides: [&[[u32; 2]]; 2], reference: &[f64]) -> Self {
-        // Facets of both sides get similar lengths.
+        // The number of facets is chosen so that facets of both sides have similar lengths.
         let length = sides.map(|facets| mean_length(facets, reference)).into_iter().fold(f64::INFINITY, f64::min);
-        // Edges that end and start at each node, and nodes of first-order edges.
+        // For each node, edges that end and edges that start there; and nodes of first-order edges.
         let mut edges = BTreeMap::new();
         let mut meeting: BTreeMap<u32, [Vec<Edge>; 2]> = BTreeMap::new();
         let mut straight = BTreeSet::new();
@@ -372,7 +372,7 @@ impl Curves {
             curves.homes.push([(node, 1.0)]);
         }
         for edge in edges.values() {
-            // Inner points are raised more where an end is not raised.
+            // Inner points are raised more if an end vertex is not raised, for equal area.
             let has = |&end: &usize| raises(edge.ends[end]).iter().any(|(other, at, _)| (other.middle, *at) == (edge.middle, end));
             let at_ends: f64 = [0, 1].into_iter().filter(has).map(|end| 0.5 * edge.end_share(end)).sum();
             let pieces = f64::from(edge.pieces);
@@ -402,7 +402,7 @@ impl Curves {
         curves
     }
 
-    /// Facets between points, in place of facets between nodes.
+    /// Facets between points that replace facets between nodes.
     fn fine(&self, facets: &[[u32; 2]]) -> Vec<[u32; 2]> {
         let pieces = |&[from, to]: &[u32; 2]| -> Vec<[u32; 2]> {
             let points = match (self.edges.get(&from), self.edges.get(&to)) {
@@ -415,13 +415,13 @@ impl Curves {
         facets.iter().flat_map(pieces).collect()
     }
 
-    /// Facets between the points of the nodes.
+    /// Facets between the points that belong to nodes.
     fn halves(&self, facets: &[[u32; 2]]) -> Vec<[u32; 2]> {
         facets.iter().map(|facet| facet.map(|node| self.nodes[&node])).collect()
     }
 
-    /// Constraints of the inner method as combinations of nodal ones; constraints without a point are kept. For nodal constraints the
-    /// weights are those of `sides`.
+    /// Inner constraints as combinations of nodal constraints; constraints without a point are taken over unchanged. Nodal constraints get
+    /// the weights of `sides`.
     fn rows(&self, kernel: &dyn ContactKernel, sides: &Sides, rows: RowsOf) -> Combinations {
         let (stride, mut made) = (kernel.rows_per_node(), Combinations::default());
         for (row, weight) in kernel.weights().iter().enumerate() {
@@ -443,7 +443,7 @@ impl Curves {
 mod tests {
     use super::*;
 
-    /// Shoelace area of a chain of facets, and nodal forces of a unit pressure, half of each facet's on each end.
+    /// Area enclosed by a chain of facets (shoelace formula), and nodal forces of a unit pressure, half of each facet's force at each end.
     fn area(facets: &[[u32; 2]], y: &[f64]) -> (f64, Vec<f64>) {
         let (mut sum, mut forces) = (0.0, vec![0.0; y.len()]);
         for facet in facets {
@@ -457,7 +457,7 @@ mod tests {
         (sum, forces)
     }
 
-    /// Chain of edges through these nodes, alternately ends and mid-side nodes.
+    /// Chain of edges through the given number of nodes, alternately ends and mid-side nodes.
     fn chain(nodes: u32) -> (ProxyNodes, Vec<[u32; 2]>) {
         let edges = (0..nodes / 2).map(|k| [2 * k, (2 * k + 2) % nodes.next_multiple_of(2), 2 * k + 1]);
         (ProxyNodes::new(edges.clone()), edges.flat_map(|[a, b, m]| [[a, m], [m, b]]).collect())
@@ -493,7 +493,7 @@ mod tests {
         let (middles, facets) = chain(24);
         let seen = middles.seen([&facets, &[]], &q, RowsOf::Facets);
         let (sum, _) = area(&seen.secondary, &seen.reference);
-        // Parabolas alone hold 2e-4 less; the remainder is of sixth order in the angle.
+        // With parabolas alone the area is 2e-4 smaller; the remaining error is of sixth order in the angle.
         assert!((sum.abs() / std::f64::consts::PI - 1.0).abs() < 2e-5, "{sum}");
         assert_eq!(seen.secondary.len(), 48);
     }

@@ -21,7 +21,7 @@ use super::surface::Sides;
 use crate::integrators::{Configuration, Derivative};
 use crate::math::tolerances::CROSSING;
 
-/// Largest distance from a corner of a polyline, in shortest facets, of nodes that keep to one side of it in a step.
+/// Distance from a convex corner of a polyline, in shortest facets, within which a node keeps to one side in a step.
 const AT_CORNER: f64 = 0.02;
 
 /// Contact of a surface with a rigid obstacle.
@@ -30,13 +30,13 @@ pub struct RigidContact {
     sides: Sides,
     shape: Shape,
     translations: [[f64; 2]; 3],
-    /// Displacement and rotation angle with which the obstacle carries sticking points in the step.
+    /// Displacement `[length]` and rotation angle `[rad]` of the obstacle's surface in the step, relative to which slip is measured.
     carried: ([f64; 2], f64),
     start: Vec<[f64; 2]>,
-    /// True for nodes without constraints: those inside of round parts of a rigid body, which `rolling.rs` constrains.
+    /// True for nodes without constraints: those inside of round parts of a rigid body, which `rolling.rs` constrains instead.
     is_hidden: Vec<bool>,
-    /// For nodes that start at a convex corner of a polyline: the line of their side, which replaces the obstacle in this step. Otherwise a
-    /// node that one side pushes past the corner, and that returns without the push, has no solution.
+    /// For nodes that start at a convex corner of a polyline: the straight line of their side, which replaces the obstacle in this step.
+    /// Otherwise the step may have no solution: one side pushes the node past the corner, and without this force the node returns.
     lines: Vec<Option<Shape>>,
 }
 
@@ -44,7 +44,7 @@ impl RigidContact {
     /// Contact of a surface (facets in model node numbers, the body on the left) with an obstacle, sized in the reference positions.
     pub fn new(secondary: &[[u32; 2]], obstacle: &Obstacle, reference: &[f64]) -> Self {
         let mut sides = Sides::new(secondary, &[], reference);
-        // Every node is opposite the obstacle: the list of contact elements never changes.
+        // Every node is opposite the obstacle, so that the list of contact elements never changes.
         for (row, &node) in (0u32..).zip(sides.secondary.nodes()) {
             sides.patches.push(&[node], &[row]);
         }
@@ -63,18 +63,18 @@ impl RigidContact {
         }
     }
 
-    /// Shape from which constraint `row` is measured in this step.
+    /// Shape from which the gap of constraint `row` is measured in this step.
     fn obstacle_side(&self, row: usize) -> &Shape {
         self.lines[row].as_ref().unwrap_or(&self.shape)
     }
 
-    /// Removes the constraints of nodes, given by their model numbers.
+    /// Removes the constraints of the given nodes (model numbers).
     pub fn without(mut self, nodes: &[u32]) -> Self {
         nodes.iter().filter_map(|&node| self.sides.secondary.index(node)).for_each(|row| self.is_hidden[row] = true);
         self
     }
 
-    /// Nodes with constraints, by index.
+    /// Indices of the nodes with constraints.
     fn rows_there(&self) -> impl Iterator<Item = usize> {
         (0..self.sides.patches.len()).filter(|&row| !self.is_hidden[row])
     }
@@ -247,7 +247,7 @@ impl RigidObstacle for RigidContact {
 
     fn passage(&self, q_1: &[f64]) -> [f64; 2] {
         if matches!(self.shape, Shape::HalfPlane { .. } | Shape::Circle { sign: -1.0, .. }) {
-            // A half plane or the complement of a disk has no far side that a node could reach.
+            // A half plane or the complement of a disk has no far side to which a node could cross.
             return [0.0; 2];
         }
         let ([start, _, end], size) = (self.translations, self.sides.facet_size);
@@ -306,7 +306,7 @@ mod tests {
         ]
     }
 
-    /// One facet of nodes 0 and 1 with weights of half its length, and a moving obstacle.
+    /// Facet between nodes 0 and 1, each with half its length as weight, and a moving obstacle.
     fn contact(obstacle: &Obstacle, q_0: &[f64], translations: &[[f64; 2]; 3]) -> RigidContact {
         let mut kernel = RigidContact::new(&[[0, 1]], obstacle, q_0);
         kernel.move_obstacle(&translations.map(|[x, y]| [x, y, 0.0]));
@@ -329,7 +329,7 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig { cases: 1000, rng_seed: RngSeed::Fixed(2007), failure_persistence: None, ..Default::default() })]
 
-        /// Work of the forces = multipliers times changes of the gaps + work of the obstacle's motion.
+        /// The work of the forces equals multipliers times changes of the gaps plus the work of the obstacle's motion.
         #[test]
         fn work_is_what_the_gaps_and_the_motion_say((q_0, q_1, translations) in step()) {
             for obstacle in obstacles() {
@@ -379,7 +379,7 @@ mod tests {
             for obstacle in obstacles() {
                 let kernel = contact(&obstacle, &q_0, &translations);
                 let lambda = [1.5, -0.5];
-                // Corners of the polyline and centers of circles are kinks; difference quotients of small steps are inaccurate near them.
+                // Corners of the polyline and centers of circles are kinks, near which difference quotients are inaccurate.
                 let near_kink = |x: [f64; 2]| match (&kernel.shape, kernel.shape.distance(x)) {
                     (Shape::Circle { center, .. }, _) => (x[0] - center[0]).hypot(x[1] - center[1]) < 0.2,
                     (Shape::Polyline { .. }, Some(distance)) => [[1e-3, 0.0], [-1e-3, 0.0], [0.0, 1e-3], [0.0, -1e-3]].iter().any(|d| {

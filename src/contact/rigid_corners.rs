@@ -1,9 +1,9 @@
-//! Contact of points of a rigid obstacle with the facets of a surface: penetration that the distances of the surface's nodes do not detect.
+//! Contact of points of a rigid obstacle with the facets of a surface, for penetration between the nodes of the surface.
 //!
 //! In space these points are sharp vertices and edges (`space/corners.rs`) or the center of a small sphere, in the plane corners of a
 //! polyline or the center of a disk. They are additional nodes that move with the obstacle. The gap of a corner is that of node-to-segment
-//! contact with exchanged sides, the gap of a disk that of `round.rs`. Their discrete gradients satisfy
-//! `Gbar_nodes.dq + Gbar_point.du = Phi(1) - Phi(0)`, so that a moving obstacle does the further work `-lambda Gbar_point.du`.
+//! contact with exchanged sides, the gap of a disk that of `round.rs`. Their discrete gradients satisfy `Gbar_nodes.dq + Gbar_point.du =
+//! Phi(1) - Phi(0)`, so that a moving obstacle does the further work `-lambda Gbar_point.du`.
 
 use super::node_to_segment::NodeToSegment;
 use super::patches::{Evaluation, Patches};
@@ -16,28 +16,27 @@ use super::window::{MotionBound, PredictedMotion};
 use super::{CandidateSearch, Candidates, ContactKernel, PatchFunctions, RigidObstacle};
 use crate::integrators::Derivative;
 
-/// Radius in shortest facets below which constraints of a disk have less slack than those of corners; around larger disks facets are nearly
-/// round.
+/// Radius of a disk, in shortest facets, below which its constraints have less slack than those of corners.
 const ROUND: f64 = 10.0;
 
-/// Ratio of disk radius to longest facet above which a disk has no constraints of its own. Between two nodes on such a disk even a facet
-/// stretched by half penetrates by less than a tenth of its length, and further constraints would be linearly dependent on those of the
+/// Ratio of disk radius to longest facet above which a disk has no constraints against facets. Between two nodes on such a disk even a
+/// facet stretched by half penetrates by less than a tenth of its length, and further constraints would depend linearly on those of the
 /// nodes.
 const LARGE: f64 = 3.0;
 
-/// Contact of an obstacle's points with a surface.
+/// Contact of characteristic points of a rigid obstacle with a surface.
 pub struct RigidCorners {
     /// Contact kernel with the points as nodes after those of the model.
     inner: Box<dyn ContactKernel>,
     /// The surface, with contact elements from which the points are removed.
     sides: Sides,
-    /// Coordinates of the points, undisplaced.
+    /// Coordinates of the obstacle's points at its undisplaced position.
     points: Vec<f64>,
     dimension: usize,
-    /// Number of components of the model's positions.
+    /// Number of position components of the model, before those of the obstacle's points.
     components: usize,
     translations: [[f64; 3]; 3],
-    /// Displacement of the obstacle, which sticking points share.
+    /// Displacement of the obstacle's surface in the step, relative to which slip is measured.
     shift: [f64; 3],
     /// Positions of nodes and points at the start of the step.
     start: Vec<f64>,
@@ -103,7 +102,7 @@ impl RigidCorners {
     }
 
     /// Slack of the constraints of an obstacle's points relative to that of corners. On a small disk nodes and facets touch alternately,
-    /// and a larger slack causes a noticeable ripple.
+    /// and a larger slack would cause a noticeable ripple of the motion.
     pub fn slack(obstacle: &Obstacle, facet_size: f64) -> f64 {
         match obstacle {
             Obstacle::Disk { radius, .. } => (radius / (ROUND * facet_size)).min(1.0),
@@ -111,7 +110,8 @@ impl RigidCorners {
         }
     }
 
-    /// Positions or displacements of nodes and points; `place` maps coordinate and component of a point.
+    /// Vector of the model extended by the obstacle's points; `place` maps a coordinate of a point and its component index to the appended
+    /// value.
     fn extended(&self, q: &[f64], place: impl Fn(f64, usize) -> f64) -> Vec<f64> {
         let points = self.points.iter().enumerate().map(|(k, &x)| place(x, k % self.dimension));
         q.iter().copied().chain(points).collect()
@@ -123,7 +123,7 @@ impl RigidCorners {
         self.extended(q, |x, i| x + by[i])
     }
 
-    /// Lists the contact elements without the points.
+    /// Lists the contact elements of the inner kernel without the obstacle's points.
     fn list_patches(&mut self) {
         let inner = self.inner.patches();
         self.sides.patches = Patches::new(self.dimension);
@@ -179,7 +179,7 @@ impl PatchFunctions for RigidCorners {
     }
 
     fn row_nodes(&self) -> &[u32] {
-        // Points are not nodes of the model.
+        // The obstacle's points are not nodes of the model.
         &[]
     }
 

@@ -79,7 +79,8 @@ pub(super) enum Shape {
     },
     Polyline {
         tree: RTree<GeomWithData<Line<[f64; 2]>, usize>>,
-        /// For each segment: the chain of itself and its neighbors, and the points `(x, ...)` with a placeholder for the node.
+        /// For each segment: the chain of the segment and its neighbors, and the coordinates of the chain's nodes after a placeholder for
+        /// the point.
         corners: Vec<(Chain, Vec<f64>)>,
     },
 }
@@ -93,7 +94,7 @@ impl Shape {
             }
             Obstacle::Disk { center, radius } => Shape::Circle { center: *center, radius: *radius, sign: 1.0 },
             Obstacle::Ring { center, radius } => Shape::Circle { center: *center, radius: *radius, sign: -1.0 },
-            // An obstacle in space has no shape in the plane; models with it are refused before.
+            // Models with obstacles in space and plane bodies are refused before, so that this shape is never used.
             Obstacle::InSpace(_) => Shape::Polyline { tree: RTree::new(), corners: Vec::new() },
             Obstacle::Polyline { points } => {
                 let count = points.len().saturating_sub(1);
@@ -138,7 +139,7 @@ impl Shape {
         }
     }
 
-    /// Half plane of the side on which a point is, if the point is within `near` of a convex corner.
+    /// Half plane of the side to which a point belongs, if the point is within `near` of a convex corner.
     pub(super) fn line_at_corner(&self, x: [f64; 2], near: f64) -> Option<Shape> {
         let Shape::Polyline { tree, corners } = self else { return None };
         let nearest = tree.nearest_neighbor(x)?;
@@ -165,7 +166,7 @@ impl Shape {
     }
 
     /// Sides of a polyline within `reach` of a point, at most two, as half planes in the order of the points. If the nearest point is a
-    /// convex corner, a circle of zero radius stands for that corner. The polyline itself for points behind it or beyond its ends.
+    /// convex corner, a circle of zero radius represents it. For points behind the polyline or beyond its ends, the polyline itself.
     fn nearest_sides(&self, x: [f64; 2], reach: f64) -> Vec<Shape> {
         let Shape::Polyline { tree, .. } = self else { return vec![self.clone()] };
         let (Some(nearest), Some(distance)) = (tree.nearest_neighbor(x), self.distance(x)) else { return Vec::new() };
@@ -214,7 +215,7 @@ impl Shape {
     pub(super) fn direction_change(&self, x_0: [f64; 2], x_1: [f64; 2], near: f64) -> f64 {
         let d = [x_1[0] - x_0[0], x_1[1] - x_0[1]];
         let length = d[0].hypot(d[1]);
-        // A distance changes by at most the path length.
+        // The distance changes by at most the path length, so that short paths need no samples.
         if length <= near * PASSING {
             return 0.0;
         }
@@ -241,7 +242,7 @@ impl Shape {
         match self {
             Shape::HalfPlane { .. } => false,
             Shape::Circle { center, radius, .. } => {
-                // Opposite normals: the nearest point lies between the ends.
+                // The line crosses the circle if the center is nearer to it than the radius.
                 let r = [center[0] - x_0[0], center[1] - x_0[1]];
                 (d[0] * r[1] - d[1] * r[0]).abs() < radius * d[0].hypot(d[1])
             }
@@ -281,7 +282,7 @@ impl Shape {
                 let square = d[0] * d[0] + d[1] * d[1];
                 let mut gradient = StepGradient { bar: middle.normal, tangent: [[0.0; 2]; 2] };
                 let remainder = end.gap - start.gap - middle.normal[0] * d[0] - middle.normal[1] * d[1];
-                // In a small step only a corner gives a remainder above round-off.
+                // In small steps the remainder is round-off, unless there is a corner.
                 let is_doubtful = square <= (PROJECTED_INCREMENT * size).powi(2);
                 if square > 0.0 && !(is_doubtful && remainder.abs() <= REMAINDER * size) {
                     let e = remainder / square;
@@ -327,7 +328,7 @@ impl ObstacleSide<2> for Shape {
 
     fn passage(&self, x_0: Vector2<f64>, x_1: Vector2<f64>, near: f64) -> (f64, bool) {
         if matches!(self, Shape::HalfPlane { .. } | Shape::Circle { sign: -1.0, .. }) {
-            // A half plane or the complement of a disk has no far side that a node could reach.
+            // A half plane or the complement of a disk has no far side to which a node could cross.
             return (0.0, false);
         }
         (self.direction_change(x_0.into(), x_1.into(), near), self.is_crossed(x_0.into(), x_1.into()))

@@ -1,25 +1,26 @@
-//! Contact of round parts of a rigid body (disk, ball, rounded edge, rim of a cylinder) with a rigid obstacle: they roll on circles, not
-//! facets.
+//! Contact of round parts of a rigid body (disk, ball, rounded edge, rim of a cylinder) with a rigid obstacle: parts roll on their exact
+//! circles instead of facets.
 //!
-//! A part of radius `R` about the body point `C` has the gap of `C` less `R`. `C` is a combination of the positions `z_k` of the body's
+//! A part of radius `R` about the body point `C` has the gap of `C` minus `R`. `C` is a combination of the positions `z_k` of the body's
 //! masters (`bodies/rigid.rs`). With the obstacle's signed distance `g`, normal `n` and translation `u`
 //!
 //! ```text
 //! Phi = w (g(C - u) - R),    C = sum_k c_k z_k,    dPhi/dz_k = w c_k n
 //! ```
 //!
-//! Cylinders touch at their rims. The nearest point to a plane of a circle about `C` with the unit axis `a` is nearer than `C` by `R h`,
+//! Cylinders touch at their rims. The point of a circle about `C` with the unit axis `a` that is nearest to a plane is nearer than `C` by
+//! `R h`,
 //!
 //! ```text
 //! Phi = w (g(C - u) - R h(n.a)),    h(s) = sqrt(1 - s^2),    a = sum_k a_k z_k
 //! ```
 //!
 //! with the normal `n` at the start of the step; the discrete derivative of `h` is `-(s_0 + s_1)/(h_0 + h_1)`. Planes, facets and parallel
-//! cylinders are obstacles of rims; other obstacles, and rims that lie flat, are left to the nodes' own constraints.
+//! cylinders are obstacles of rims; for other obstacles, and for rims that lie flat, the nodes have constraints.
 //!
 //! The discrete gradient is that of the distance between the centers, with the same conservation properties as for nodes. The force acts at
-//! the contact point `x = C - R n`, because its line of action contains both. Friction depends on the slip of this material point,
-//! `x = sum_k a_k z_k` with the coefficients `a_k` at mid-step.
+//! the contact point `x = C - R n`, because its line of action contains both. Friction depends on the slip of this material point, `x =
+//! sum_k a_k z_k` with the coefficients `a_k` at mid-step.
 //!
 //! A constraint is present in a step if the part faces the obstacle at its start. Nodes inside of a part have no constraints: they are
 //! never nearer than its circle. Each part has as many constraints as sides of the obstacle can touch it simultaneously.
@@ -39,13 +40,13 @@ use super::tilt::Tilt;
 use crate::integrators::{Configuration, Derivative};
 use crate::math::tolerances::CROSSING;
 
-/// Round part with the masters of its body.
+/// Round part and the masters of its body.
 #[derive(Clone, Debug)]
 struct Roller {
     part: RoundPart,
     /// Model node numbers of the masters, with their coefficients in the center.
     masters: Vec<(u32, f64)>,
-    /// Coefficients of the masters in the axis of a rim.
+    /// Coefficients of the axis vector of a rim as a linear combination of the masters' positions; `None` without an axis.
     axis: Option<Vec<f64>>,
 }
 
@@ -56,15 +57,15 @@ pub(super) struct RollingContact<const D: usize, S> {
     rollers: Vec<Roller>,
     pub(super) shape: S,
     pub(super) translations: [[f64; 3]; 3],
-    /// Displacement `[length]` and rotation angle `[rad]` of the obstacle in the step, for friction.
+    /// Displacement `[length]` and rotation angle `[rad]` of the obstacle's surface in the step, relative to which slip is measured.
     pub(super) carried: ([f64; 3], f64),
     /// Centers at the start of the step.
     start: Vec<SVector<f64, D>>,
-    /// Tilt of each constraint's part at the start of the step.
+    /// Tilt of the part of each constraint at the start of the step.
     at_start: Vec<Tilt>,
     /// Node of each part nearest to the obstacle at the start of the step.
     nearest: Vec<u32>,
-    /// Side of the obstacle of each constraint in this step, with the normal at its start; `None` for absent constraints.
+    /// Side of the obstacle for each constraint in this step, with its normal at the start; `None` for absent constraints.
     obstacle_sides: Vec<Option<(S, SVector<f64, D>)>>,
 }
 
@@ -125,18 +126,19 @@ impl<const D: usize, S: ObstacleSide<D>> RollingContact<D, S> {
         shares.map(|&(node, share)| place::<D>(node, q) * share).sum::<SVector<f64, D>>() - self.moved(time)
     }
 
-    /// Axis of a rim for the masters at `q`.
+    /// Axis of a rim for the masters at `q`; `None` for arcs and spheres.
     fn axis(&self, roller: usize, q: &[f64]) -> Option<SVector<f64, D>> {
         let Roller { masters, axis, .. } = &self.rollers[roller];
         axis.as_ref().map(|axis| masters.iter().zip(axis).map(|((node, _), share)| place::<D>(*node, q) * *share).sum())
     }
 
-    /// Tilt of a part relative to a normal for the masters at `q`; zero for arcs and spheres.
+    /// Tilt of a part's axis relative to a normal for the masters at `q`; zero for arcs and spheres.
     fn nearer(&self, roller: usize, normal: SVector<f64, D>, q: &[f64]) -> Tilt {
         self.axis(roller, q).map_or(Tilt::of(0.0), |axis| Tilt::of(axis.dot(&normal)))
     }
 
-    /// Node of a part nearest to the obstacle in a direction from the center, and true if the part faces that direction.
+    /// Node of a part that is farthest from the center in the given direction (nearest to the obstacle), and true if the part faces that
+    /// direction.
     fn facing(&self, roller: usize, q: &[f64], direction: SVector<f64, D>) -> (u32, bool) {
         let part = &self.rollers[roller].part;
         let along = |node: u32| place::<D>(node, q).dot(&direction);
@@ -148,7 +150,7 @@ impl<const D: usize, S: ObstacleSide<D>> RollingContact<D, S> {
                 let inward: SVector<f64, D> = beside.map(|&other| place::<D>(other, q) - place::<D>(node, q)).sum();
                 let center: SVector<f64, D> = self.center(roller, q, 0) + self.moved(0);
                 let out = (place::<D>(node, q) - center).normalize();
-                // Direction from the rim node along the surface.
+                // Component of the direction tangential to the circle at the rim node.
                 (node, (direction - out * direction.dot(&out)).dot(&inward) > 0.0)
             }
             _ => (inside.1, true),
@@ -183,7 +185,7 @@ impl<const D: usize, S: ObstacleSide<D>> RollingContact<D, S> {
         count * roller..count * (roller + 1)
     }
 
-    /// Present constraints: index, part, side of the obstacle, and normal at the start of the step.
+    /// Constraints that are present in this step: index, part, side of the obstacle, and normal at the start of the step.
     fn present_constraints(&self) -> impl Iterator<Item = (usize, usize, &S, SVector<f64, D>)> {
         let count = self.shape.sides();
         self.obstacle_sides.iter().enumerate().filter_map(move |(row, obstacle_side)| {
@@ -207,7 +209,8 @@ impl<const D: usize, S: ObstacleSide<D>> RollingContact<D, S> {
         local.covered && (!is_rim || obstacle_side.takes_rims() && !tilt.is_flat()) && self.facing(roller, q, -local.normal).1
     }
 
-    /// Coefficients of the masters, at `z` in mid-step, in the material point that touches the side `obstacle_side`, and the normal there.
+    /// Material point that touches the side `obstacle_side` at mid-step, as coefficients of the masters with positions `z`; and the normal
+    /// there.
     pub(super) fn touching<T: Number>(&self, roller: usize, obstacle_side: &S, z: &[[T; D]]) -> ([T; 4], [T; D]) {
         let Roller { masters, part, axis } = &self.rollers[roller];
         let mut center = [T::from(0.0); D];
@@ -218,7 +221,7 @@ impl<const D: usize, S: ObstacleSide<D>> RollingContact<D, S> {
         let Local { normal, curvature, .. } = obstacle_side.at(SVector::from_fn(|i, _| center[i].re() - middle[i]));
         let normal: [T; D] =
             std::array::from_fn(|i| (0..D).fold(T::from(normal[i]), |sum, k| sum + (center[k] - center[k].re()) * curvature[(i, k)]));
-        // Vector from the center to the contact point, in coordinates of the edges between masters.
+        // Vector from the center to the contact point, in the basis of the edges between masters.
         let edge = |k: usize| -> [T; D] { std::array::from_fn(|i| z[k][i] - z[0][i]) };
         let mut direction = normal;
         if let Some(shares) = axis {
@@ -242,7 +245,7 @@ impl<const D: usize, S: ObstacleSide<D>> RollingContact<D, S> {
         self.sides.weights[row]
     }
 
-    /// Sides of the obstacle for the constraints of a part.
+    /// Sides of the obstacle for the constraints of a part in this step.
     pub(super) fn sides_near(&self, roller: usize) -> &[Option<(S, SVector<f64, D>)>] {
         &self.obstacle_sides[self.rows_of(roller)]
     }
@@ -285,7 +288,7 @@ where
     }
 
     fn row_nodes(&self) -> &[u32] {
-        // Parts are not nodes.
+        // Constraints belong to round parts, not to nodes.
         &[]
     }
 
@@ -383,7 +386,7 @@ where
     }
 }
 
-/// Slips, which differ between plane and space.
+/// Evaluation of the tangential slips, implemented separately for plane and space.
 pub(super) trait Slips {
     /// Writes the slips of a step to `out`, as [`PatchFunctions::evaluate_slips`].
     fn slips(&self, step: SlipStep, lambda: &[f64], out: &mut Evaluation);

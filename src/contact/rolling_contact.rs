@@ -10,8 +10,8 @@ use super::slip::{self, SlipRows, SlipStep};
 use super::space::ShapeInSpace;
 use super::surface::Surface;
 
-/// Contact of round parts of a rigid body's surface with an obstacle. `shares_of` maps a reference point to the body's masters (model node
-/// numbers) with their coefficients.
+/// Contact of round parts of a rigid body's surface with an obstacle. `shares_of` returns the body's masters (model node numbers) with
+/// their coefficients in a given reference point.
 pub fn rolling_contact(
     surface: Surface,
     parts: Vec<RoundPart>,
@@ -75,7 +75,7 @@ mod tests {
     use super::*;
     use crate::integrators::{Configuration, Derivative};
 
-    /// Twelve nodes on a circle; nodes 0, 4 and 8 are masters.
+    /// Disk of twelve nodes on a circle; nodes 0, 4 and 8 are masters.
     fn disk() -> (Surface, Vec<f64>) {
         let at = |k: u32| (f64::from(k) * std::f64::consts::TAU / 12.0).sin_cos();
         let q = (0..12).flat_map(|k| [0.5 * at(k).1 + 0.2, 0.5 * at(k).0 - 0.1]).collect();
@@ -83,7 +83,7 @@ mod tests {
         (Surface::new(&facets), q)
     }
 
-    /// Side of a cylinder with two rings of twelve nodes, and a node on its axis, for masters in general position.
+    /// Lateral surface of a cylinder with two rings of twelve nodes, and a node on its axis, so that masters in general position exist.
     fn cylinder() -> (Surface, Vec<f64>) {
         let at = |k: u32| (f64::from(k) * std::f64::consts::TAU / 12.0).sin_cos();
         let ring = |z: f64| (0..12).flat_map(move |k| [0.5 * at(k).1, 0.5 * at(k).0, z]);
@@ -102,7 +102,7 @@ mod tests {
         std::iter::once((0, rest)).chain((1..masters.len()).map(|k| (masters[k], b[k - 1]))).collect()
     }
 
-    /// Obstacles with a surface that touches them.
+    /// Obstacles, each with a surface that touches it.
     fn cases() -> Vec<(Obstacle, Surface, Vec<f64>)> {
         let plane = [
             Obstacle::HalfPlane { point: [0.0, -0.7], normal: [0.1, 1.0] },
@@ -123,8 +123,8 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig { cases: 100, rng_seed: RngSeed::Fixed(2007), failure_persistence: None, ..Default::default() })]
 
-        /// The forces do the work of the multipliers on the gaps plus that of the obstacle's motion; gradients and tangents of gaps and
-        /// slips are derivatives along a random direction.
+        /// The work of the forces equals the work of the multipliers on the gaps plus that of the obstacle's motion; gradients and tangents
+        /// of gaps and slips are derivatives along a random direction.
         #[test]
         fn rows_of_round_parts_keep_the_contract(
             motion in prop::collection::vec(-0.03..0.03f64, 72),

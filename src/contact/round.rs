@@ -17,13 +17,13 @@ use crate::integrators::Derivative;
 /// Search distance beyond the required one, in shortest facets of the surface.
 const SPARE: f64 = 1.0;
 
-/// Penetration in shortest facets beyond which a facet has no constraint: initial overlaps are held by the nodes.
+/// Penetration, in shortest facets, beyond which a facet has no constraint: initial overlaps are resolved by the constraints of the nodes.
 const SUNK: f64 = 0.15;
 
-/// Contact of a disk, given by a node at its center, with a surface; one constraint per facet.
+/// Contact of a disk, represented by a node at its center, with a surface; one constraint per facet.
 #[derive(Clone, Debug)]
 pub struct RoundContact {
-    /// Secondary side: the center, as a facet of zero length.
+    /// Contact surfaces; the secondary side is the center of the disk, as a facet of zero length.
     sides: Sides,
     radius: f64,
     /// Rotation angle in the step `[rad]`.
@@ -50,7 +50,7 @@ impl RoundContact {
         }
     }
 
-    /// Values of contact element `p` at the start of a step; no gap if the facet is sunk or out of reach.
+    /// Values of contact element `p` at the start of a step; without a gap if the facet is too deep or out of reach.
     fn prepare(&self, p: usize, predicted_motion: &PredictedMotion) -> Start {
         let (facet, surface) = (self.sides.patches.rows(p)[0] as usize, &self.sides.primary);
         let (center, ends) = (self.sides.secondary.nodes()[0], surface.facets()[facet]);
@@ -79,7 +79,7 @@ impl PatchFunctions for RoundContact {
     }
 
     fn row_nodes(&self) -> &[u32] {
-        // Constraints belong to facets.
+        // Constraints belong to facets, not to nodes.
         &[]
     }
 

@@ -16,7 +16,8 @@ use crate::math::tolerances::{ROUND_PART, ROUND_PART_TURN};
 /// an octagon is not. A sphere with twelve facets around, divided into triangles, has diagonals of 43 degrees, an icosahedron of 63.
 const LARGEST_TURN: [f64; 2] = [30.5 * PI / 180.0, 45.0 * PI / 180.0];
 
-/// Smallest mean square of the normals of a cylinder's side in any direction perpendicular to its axis.
+/// Smallest mean square component of the normals of a cylinder's side in each direction perpendicular to its axis; smaller values belong to
+/// a strip that does not surround the axis.
 const ALL_AROUND: f64 = 0.2;
 
 /// Largest ratio of the angles to the neighbors of a node, as seen from the center of a round part.
@@ -26,7 +27,7 @@ const LARGEST_RATIO: f64 = 3.0;
 /// may lie on a circle by symmetry.
 const LEAST_INSIDE: usize = 3;
 
-/// Arc of a circle, part of a sphere, or rim of a cylinder on a surface.
+/// Round part of a surface: arc of a circle, part of a sphere, or rim of a cylinder.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RoundPart {
     /// Center `[length]`.
@@ -35,9 +36,9 @@ pub struct RoundPart {
     pub radius: f64,
     /// Unit vector along the axis of a cylinder, for a rim; `None` for arcs and parts of spheres.
     pub axis: Option<Vector3<f64>>,
-    /// Model numbers of the inside nodes, ascending; for a rim its nodes.
+    /// Model numbers of the inside nodes, ascending; for a rim of a cylinder, the nodes of the rim.
     pub inside: Vec<u32>,
-    /// Model numbers of the rim nodes, each with its inside neighbors.
+    /// Model numbers of the nodes at the border of the part, each with its inside neighbors.
     pub rim: Vec<(u32, Vec<u32>)>,
 }
 
@@ -83,7 +84,7 @@ pub fn round_parts(surface: &Surface, q: &[f64]) -> Vec<RoundPart> {
     parts
 }
 
-/// Round part with these inside nodes.
+/// Round part with the given inside nodes, center and radius.
 fn part(surface: &Surface, neighbors: &[Vec<usize>], inside: &[usize], (center, radius): Fit) -> RoundPart {
     let is_inside = |index: &usize| inside.binary_search(index).is_ok();
     let mut rim: Vec<usize> = inside.iter().flat_map(|&index| &neighbors[index]).copied().filter(|index| !is_inside(index)).collect();
@@ -94,14 +95,14 @@ fn part(surface: &Surface, neighbors: &[Vec<usize>], inside: &[usize], (center, 
     RoundPart { center, radius, axis: None, inside: inside.iter().map(number).collect(), rim: rim.iter().map(with_neighbors).collect() }
 }
 
-/// Position of the node of that index; third coordinate 0 in the plane.
+/// Position of the node with the given index; third coordinate 0 in the plane.
 fn at(surface: &Surface, index: usize, q: &[f64]) -> Vector3<f64> {
     let dimension = surface.dimension();
     let first = dimension * surface.nodes()[index] as usize;
     Vector3::from_fn(|i, _| if i < dimension { q[first + i] } else { 0.0 })
 }
 
-/// Nodes that share a facet side with the node of that index; empty unless facets surround the node.
+/// Nodes connected to the node with the given index by a side of a facet; empty unless facets surround the node.
 fn neighbors_of(surface: &Surface, index: usize) -> Vec<usize> {
     let facets = surface.adjacent_facets(index);
     let mut sides: Vec<usize> = Vec::new();
@@ -121,7 +122,7 @@ fn neighbors_of(surface: &Surface, index: usize) -> Vec<usize> {
     if surrounded { sides } else { Vec::new() }
 }
 
-/// Circle or sphere of a node inside of a round part.
+/// Circle or sphere through a node and its neighbors, if the node is inside of a round part.
 fn fit(surface: &Surface, neighbors: &[usize], index: usize, q: &[f64]) -> Option<Fit> {
     if neighbors.is_empty() {
         return None;
@@ -189,7 +190,8 @@ fn outward(surface: &Surface, facet: usize, q: &[f64]) -> Vector3<f64> {
     Vector3::from_column_slice(&surface.outward(facet, q)).normalize()
 }
 
-/// Both rims of a region that is a cylinder's side: normals are perpendicular to one axis, nodes on one circle around it.
+/// Both rims of a region of facets that is the side of a cylinder: all normals are perpendicular to one axis, all nodes on one circle
+/// around it.
 fn rims_of(surface: &Surface, region: &[usize], q: &[f64]) -> Option<[RoundPart; 2]> {
     let count = region.len() as f64;
     let spread: Matrix3<f64> = region.iter().map(|&facet| outward(surface, facet, q)).map(|n| n * n.transpose()).sum();
@@ -238,7 +240,7 @@ fn rims_of(surface: &Surface, region: &[usize], q: &[f64]) -> Option<[RoundPart;
     Some([rim(ends[0])?, rim(ends[1])?])
 }
 
-/// True if vectors perpendicular to an axis surround it with steps of at most [`LARGEST_TURN`].
+/// True if vectors perpendicular to an axis surround it with angles of at most [`LARGEST_TURN`] between them.
 fn is_whole(arms: impl Iterator<Item = Vector3<f64>>, axis: Vector3<f64>) -> bool {
     let arms: Vec<Vector3<f64>> = arms.collect();
     let Some(&first) = arms.first() else { return false };

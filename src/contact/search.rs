@@ -23,7 +23,7 @@ use super::slivers;
 use super::surface::{Sides, Surface};
 use super::window::{PredictedMotion, Window};
 
-/// Facet pairs that contain every pair within a margin, valid for a bounded relative motion.
+/// List of facet pairs that contains every pair within a margin, valid for a bounded relative motion.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Candidates {
     pairs: Vec<[u32; 2]>,
@@ -32,24 +32,25 @@ pub struct Candidates {
     /// Positions of the nodes of both surfaces at the last search, node by node.
     secondary_at_search: Vec<f64>,
     primary_at_search: Vec<f64>,
-    /// Numbers of facets of both surfaces at the last search.
+    /// Number of facets of each surface at the last search.
     facets: [u32; 2],
     /// Pairs that are never listed, ascending.
     excluded: Vec<[u32; 2]>,
-    /// Ranks of secondary and primary facets: pairs whose secondary facet has the higher rank are not listed.
+    /// Ranks of secondary and primary facets, which select one of two orders of a pair: pairs whose secondary facet has the higher rank are
+    /// not listed.
     ranks: Option<[Vec<u32>; 2]>,
 }
 
-/// Distance through a body, in shortest secondary facets, within which facets with opposite outer sides are excluded: larger than the
-/// search margin of any step that can converge.
+/// Distance through a body, in shortest secondary facets, within which facets on opposite sides of the body are excluded from self-contact:
+/// larger than the search margin of any step that can converge.
 const BODY_REACH: f64 = 8.0;
 
-/// Ratio of the list's margin to the required one, spare included, above which the list is replaced. Otherwise it would stay long after one
-/// fast step or after `settle`, and each unneeded pair adds entries to the matrix.
+/// Ratio of the list's margin to the required one, spare included, above which the list is replaced. Otherwise the list would stay long
+/// after one fast step or after a damped relaxation to equilibrium, and each unneeded pair adds entries to the matrix.
 const EXCESSIVE: f64 = 1.5;
 
 impl Candidates {
-    /// True if the pairs fit the surfaces of another list.
+    /// True if the list, read from a file, is consistent with the surfaces of the list `own`.
     pub fn is_sound_beside(&self, own: &Self) -> bool {
         let counts = |list: &Self| [list.secondary_at_search.len(), list.primary_at_search.len()];
         let ranks = |list: &Self| list.ranks.as_ref().map(|ranks| ranks.each_ref().map(Vec::len));
@@ -68,7 +69,7 @@ impl Candidates {
         size_of::<Self>() + size_of_val(&self.pairs[..]) + size_of_val(&self.excluded[..]) + positions + ranks
     }
 
-    /// Empty list that will be searched with `spare` `[length]` beyond the required margin.
+    /// Empty list for searches with `spare` `[length]` beyond the required margin.
     pub fn new(spare: f64) -> Self {
         Candidates {
             pairs: Vec::new(),
@@ -82,7 +83,7 @@ impl Candidates {
         }
     }
 
-    /// Excludes these pairs (ascending).
+    /// Excludes the given pairs, in ascending order, from the list.
     pub fn without(mut self, pairs: Vec<[u32; 2]>) -> Self {
         self.excluded = pairs;
         self
@@ -94,7 +95,7 @@ impl Candidates {
         self
     }
 
-    /// Pairs within `margin` that may be listed, ascending.
+    /// Pairs within `margin` that are not excluded, ascending.
     fn admitted_pairs(&self, secondary: &Surface, primary: &Surface, q: &[f64], margin: f64) -> Vec<[u32; 2]> {
         let mut pairs = near_pairs(secondary, primary, q, margin);
         if let Some([own, other]) = &self.ranks {
@@ -106,12 +107,12 @@ impl Candidates {
         pairs
     }
 
-    /// True unless a pair is excluded.
+    /// True if the list may contain a pair: it is not excluded and has the right order.
     pub(crate) fn may_list(&self, pair: [u32; 2]) -> bool {
         self.excluded.binary_search(&pair).is_err()
     }
 
-    /// Pairs that contain all admissible ones within `margin` at `q`: the list itself if its margin suffices.
+    /// Superset of the admissible pairs within `margin` at `q`: the list itself if its margin suffices, otherwise a new search.
     pub(super) fn pairs_within(&self, secondary: &Surface, primary: &Surface, q: &[f64], margin: f64) -> Cow<'_, [[u32; 2]]> {
         let (secondary_now, primary_now) = (positions(secondary, q), positions(primary, q));
         let motion = self.relative_motion([&secondary_now, &primary_now], secondary.dimension());
@@ -127,7 +128,7 @@ impl Candidates {
         &self.pairs
     }
 
-    /// Updates the list to contain all pairs whose boxes are within `margin` of each other at `q`; true if the list changed.
+    /// Updates the list so that it contains all pairs whose boxes are within `margin` of each other at `q`; true if the list changed.
     ///
     /// Non-finite positions or margins leave the list unchanged: such a step fails elsewhere.
     pub fn update(&mut self, secondary: &Surface, primary: &Surface, q: &[f64], margin: f64) -> bool {
@@ -177,9 +178,9 @@ impl Candidates {
 /// Facet pairs of two surfaces that may come into contact in a step.
 #[derive(Clone, Debug)]
 pub struct PairSearch {
-    /// Pairs of the list.
+    /// Candidate pairs.
     pub candidates: Candidates,
-    /// True for each listed pair that takes part in this step.
+    /// True for each candidate pair that takes part in this step.
     pub near: Vec<bool>,
     pub(super) window: Window,
     /// Height profiles of the facets of both sides in the plane; empty for straight facets.
@@ -215,7 +216,7 @@ impl PairSearch {
         self.candidates.pairs().iter().map(of_pair).collect()
     }
 
-    /// True if the least gap of listed pair `p` at `q` is at most one facet length. Every search lists such pairs.
+    /// True if the least gap of candidate pair `p` at `q` is at most one facet length. Every search lists such pairs.
     pub fn is_beside(&self, p: usize, sides: &Sides, q: &[f64]) -> bool {
         self.window.is_beside(self.candidates.pairs()[p], sides, q)
     }
@@ -248,7 +249,7 @@ impl PairSearch {
         }
     }
 
-    /// Sum over all participating pairs of one value per node of the secondary facet, per secondary node.
+    /// Sum over all participating pairs of the values for the nodes of their secondary facets, per secondary node.
     pub fn summed<const N: usize>(&self, sides: &Sides, values: impl Iterator<Item = [f64; N]>) -> Vec<f64> {
         let mut sums = vec![0.0; sides.secondary.nodes().len()];
         for (p, values) in values.enumerate().filter(|(p, _)| self.near[*p]) {
@@ -310,7 +311,7 @@ fn pairs_of_boxes<const D: usize>(secondary: &Surface, primary: &Surface, q: &[f
         let (low, high) = corners(secondary.facet(facet));
         let grown = AABB::from_corners(low.map(|x| x - margin), high.map(|x| x + margin));
         let first = pairs.len();
-        // Visitor instead of the iterator, which allocates a stack for each query.
+        // The visitor avoids the stack allocation of the iterator in each query.
         let _: ControlFlow<()> = tree.locate_in_envelope_intersecting_int(grown, |found| {
             pairs.push([facet as u32, found.data]);
             ControlFlow::Continue(())
@@ -342,7 +343,7 @@ pub fn within_the_body(secondary: &Surface, primary: &Surface, reference: &[f64]
 
 /// True if each facet lies behind the other one.
 fn body_between(own: &[u32], other: &[u32], q: &[f64]) -> bool {
-    // Middle and outward normal of a facet, both up to a factor: only signs are used.
+    // Center and outward normal of a facet, both up to a positive factor, since only signs are used.
     let seen = |nodes: &[u32]| match *nodes {
         [a, b] => {
             let at = |node: u32| Vector::new(q[2 * node as usize], q[2 * node as usize + 1], 0.0);
@@ -369,7 +370,7 @@ mod tests {
 
     use super::*;
 
-    /// All pairs within the margin, from the definition.
+    /// Oracle: all pairs within the margin, by comparison of all boxes.
     fn brute_force(secondary: &Surface, primary: &Surface, q: &[f64], margin: f64) -> Vec<[u32; 2]> {
         let mut pairs = Vec::new();
         for (i, s) in secondary.facets().iter().enumerate() {
@@ -464,7 +465,7 @@ mod tests {
             best.fold(f64::INFINITY, f64::min)
         };
         let (small, large) = (time(12_500), time(100_000));
-        // Factor 8 log(1e5)/log(12500) = 9.8 for eight times as many facets, plus cache misses.
+        // Expected factor 8 log(1e5)/log(12500) = 9.8 for eight times as many facets; the limit allows for cache misses.
         assert!(large < 0.1 && large / small < 16.0, "{:.1} ms, {:.1} ms", 1e3 * small, 1e3 * large);
     }
 

@@ -30,21 +30,22 @@ pub struct SlipStep<'a> {
     pub q_0: &'a [f64],
     /// Positions at the end.
     pub q_1: &'a [f64],
-    /// Displacement of the step, accurate relative to its own size.
+    /// Displacement in the step, computed without the cancellation in `q_1 - q_0`.
     pub moved: &'a [f64],
-    /// Configuration at which the forces of the step act.
+    /// Configuration in which the friction forces act.
     pub test: Configuration,
-    /// True for each contact element with nonzero blocks; others have no slip.
+    /// True for each live contact element; others have no slip.
     pub live: &'a [bool],
 }
 
 /// Slip gradients `g_A` of a kernel's contact elements.
 pub trait SlipRows {
-    /// Appends the indices of the nodes of contact element `p` that slip, at the positions `z` of all its nodes; `false` without.
+    /// Appends the indices of those nodes of contact element `p` that take part in its slip, for the positions `z` of all its nodes;
+    /// `false` if it has no slip.
     fn places(&self, p: usize, z: &[f64], places: &mut Vec<usize>) -> bool;
 
-    /// Writes the slip gradients of contact element `p`, at the positions `z` of those nodes, into `rows` (zero before), and the covered
-    /// measure of each constraint into `covered`; `false` without slip.
+    /// Writes the slip gradients of contact element `p` into `rows`, which are zero before, for the positions `z` of the nodes of
+    /// [`SlipRows::places`], and the covered measure of each constraint into `covered`; `false` if it has no slip.
     fn rows<T: Number>(&self, p: usize, z: &[T], rows: &mut [T], covered: &mut [f64]) -> bool;
 
     /// True if rigid motions of the contact element have no slip; false if the other side is an obstacle.
@@ -52,12 +53,12 @@ pub trait SlipRows {
         true
     }
 
-    /// Motion in the step of an obstacle as the other side.
+    /// Motion in the step of the other side, if it is an obstacle; zero by default.
     fn other_side(&self) -> Carrier {
         Carrier::default()
     }
 
-    /// Slip of a constraint of contact element `p` that is independent of the nodes `[length^2]`.
+    /// Slip of a constraint of contact element `p` that does not depend on the nodes, such as by rotation of a disk `[length^2]`.
     fn own_slip(&self, _p: usize, _row: usize) -> f64 {
         0.0
     }
@@ -115,7 +116,7 @@ pub fn evaluate(kernel: &impl SlipRows, patches: &Patches, step: SlipStep, lambd
 }
 
 impl Scratch {
-    /// Collects the nodes of a contact element; `false` without slip.
+    /// Collects mid-step positions and displacements of the nodes of a contact element; `false` if it has no slip.
     fn begin(&mut self, kernel: &impl SlipRows, patches: &Patches, p: usize, step: SlipStep) -> bool {
         let nodes = patches.nodes(p);
         self.carrier = kernel.other_side();
@@ -140,7 +141,7 @@ impl Scratch {
         true
     }
 
-    /// Rows and their derivatives at a configuration; `false` without slip.
+    /// Computes slip gradients and their derivatives at a configuration; `false` if there is no slip.
     fn differentiate(&mut self, kernel: &impl SlipRows, p: usize, at: Configuration) -> bool {
         let z = if at == Configuration::Middle { &self.middle } else { &self.end };
         let (unknowns, count) = (z.len(), z.len() * self.covered.len());
@@ -165,7 +166,7 @@ impl Scratch {
         true
     }
 
-    /// Adds the results of mid-step to the blocks of a contact element; a node may occur several times.
+    /// Adds the results at mid-step to the blocks of a contact element, in which a node may occur several times.
     fn write(&mut self, kernel: &impl SlipRows, patches: &Patches, p: usize, step: SlipStep, lambda: &[f64], out: &mut Evaluation) {
         let (unknowns, width) = (self.middle.len(), patches.unknowns(p));
         let column = |k: usize, places: &[usize]| 2 * places[k / 2] + k % 2;
@@ -179,7 +180,7 @@ impl Scratch {
             for (k, value) in values.iter().enumerate() {
                 let slopes = &self.slopes[k * count + m * unknowns..][..unknowns];
                 let turn: f64 = slopes.iter().zip(&self.moved).map(|(slope, d)| slope * d).sum();
-                // Half of a node's displacement moves it to a point with another displacement of the obstacle.
+                // Derivative of the obstacle's displacement at the mid-step position, which moves by half of the node's displacement.
                 let carried = if k % 2 == 0 { -values[k + 1] } else { values[k - 1] } * self.carrier.turn;
                 out.gradient_end[range.start + m * width + column(k, &self.places)] += value + 0.5 * (turn + carried);
             }
@@ -201,7 +202,7 @@ impl Scratch {
     }
 }
 
-/// Rows of a contact element without rigid motions, `P g_A`.
+/// Slip gradients of a contact element without rigid motions, `P g_A`.
 fn projected<T: Number>(kernel: &impl SlipRows, p: usize, z: &[T], rows: &mut [T], covered: &mut [f64]) -> bool {
     if !kernel.rows(p, z, rows, covered) {
         return false;
@@ -234,8 +235,8 @@ fn projected<T: Number>(kernel: &impl SlipRows, p: usize, z: &[T], rows: &mut [T
 }
 
 /// Slip gradient of a point `x` that slides on a facet `y_1 y_2` of the other side: `weight` times its displacement relative to the
-/// opposite point of the facet, along the facet's tangent seen from the point's side. Beside the facet the opposite point is its end; a
-/// round body slides perpendicular to the direction to it.
+/// opposite point of the facet, along the facet's tangent with the orientation of the point's side. If the point is beside the facet, the
+/// opposite point is the facet's end; a round body then slides perpendicular to the direction to this end.
 pub fn point_on_facet<T: Number>(z: &[T], weight: f64, is_round: bool, rows: &mut [T; 6]) {
     let at = |k: usize| [z[2 * k], z[2 * k + 1]];
     let [x, y_1, y_2] = [0, 1, 2].map(at);

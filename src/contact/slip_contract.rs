@@ -96,7 +96,7 @@ fn sliding_by_a_length_is_that_slip_for_all_methods() {
     }
 }
 
-/// Nodes that stick to a moving obstacle have no slip; the slip of a node counts along the body's own surface.
+/// Nodes that move with an obstacle have no slip; the slip of a node is measured in the direction of the body's own surface.
 #[test]
 fn slips_on_an_obstacle_are_those_against_its_motion() {
     let reference = [0.0, 0.0, 1.0, 0.0];

@@ -2,25 +2,27 @@
 //! compensates.
 //!
 //! If a primary node passes a secondary one, the gradients of the pair functions jump by the gap there (`pair.rs`). Inside two surfaces the
-//! pairs on both sides of the node compensate each other, and their sum is continuous. It jumps where both surfaces end: the secondary one
-//! at a corner, the primary one at a node whose next facet takes no part. At a small gap the jump is harmless. Between nearly perpendicular
-//! facets, such as the top of a block and the side of another block, the gap may be half a facet; a constraint that friction holds at that
-//! point then has no solution for any step size, with or without the pair.
+//! pairs on both sides of the node compensate each other, and their sum is continuous. The sum jumps where both surfaces end: the secondary
+//! one at a corner, the primary one at a node whose next facet takes no part. At a small gap the jump is harmless. Between nearly
+//! perpendicular facets, such as the top of a block and the side of another block, the gap may be half a facet; a constraint that friction
+//! holds at that point then has no solution for any step size, with or without the pair.
 //!
-//! The overlap of such a pair is therefore decided at the start of the step: it takes part if its overlap exceeds the possible sliding
-//! ([`SHORT`] of a facet at most). An excluded overlap is narrower than high or deep. If open, it is no contact. If deep, the shortest way
-//! out is not along the facet's normal, but across it: the next facet beyond the corner, or the corner's own constraint, holds it.
+//! Participation of such a pair is therefore decided at the start of the step: it takes part if its overlap exceeds the possible sliding
+//! ([`SHORT`] of a facet at most). The overlap of an excluded pair is narrower than its gap. If open, the pair is not in contact. If
+//! penetrated, the shortest way out is not along the facet's normal, but across it: the next facet beyond the corner, or the corner's own
+//! constraint, resolves the penetration.
 
 use super::surface::{Sides, Surface};
 use super::window::PredictedMotion;
 use crate::math::tolerances::{FAR_SLIVER, SMOOTH};
 
-/// Overlap in secondary facets from which a pair takes part for any motion bound.
+/// Overlap, as a fraction of the secondary facet, from which a pair always takes part.
 const SHORT: f64 = 0.25;
 
 /// Excludes short overlaps at large gaps from the pairs that take part in a step.
 pub(super) fn leave_out(near: &mut [bool], pairs: &[[u32; 2]], sides: &Sides, predicted_motion: &PredictedMotion) {
-    // At rest the sliding distance has no bound, and bodies may overlap at the start. Pair functions in space have no such jump.
+    // In a search for equilibrium the sliding distance has no bound, and bodies may overlap at the start. Pair functions in space have no
+    // such jump.
     if predicted_motion.depth > 0.0 || sides.secondary.dimension() == 3 {
         return;
     }
@@ -77,14 +79,14 @@ mod tests {
     #[test]
     fn what_may_begin_to_overlap_far_apart_takes_no_part() {
         let (corner, straight, apart, beside) = ([1.0, -1.0], [2.0, 0.0], [0.9, 2.0], [0.94, 0.7]);
-        // The side's middle node is above the top's end at a gap of half a facet, overlapping by 0.02, just outside, or by more than a step
-        // slides.
+        // Middle node of the overhanging side half a facet above the end of the surface: overlap 0.02, no overlap, and overlap larger than
+        // the sliding distance.
         assert!(!takes_part(corner, apart, [0.98, 0.45], 0.05));
         assert!(!takes_part(corner, apart, [1.02, 0.45], 0.05));
         assert!(takes_part(corner, apart, [0.98, 0.45], 0.01));
-        // Behind the line of the surface: beside its body, or slightly inside.
+        // Middle node below the line of the surface: beside the body, or slightly inside.
         assert!(!takes_part(corner, apart, [0.98, -0.45], 0.05));
-        // At a small gap; above a surface that continues; on a side whose adjacent facet takes part, too.
+        // At a small gap, above a surface that continues, and on a side whose adjacent facet takes part, too.
         assert!(takes_part(corner, apart, [0.98, 0.04], 0.05));
         assert!(takes_part(straight, apart, [0.98, 0.45], 0.05));
         assert!(takes_part(corner, beside, [0.98, 0.45], 0.05));

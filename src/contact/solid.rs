@@ -1,4 +1,5 @@
-//! Hulls of bodies in space, and points of one hull inside of another, independent of the defined contacts (initial overlaps).
+//! Hulls of bodies in space, and points of one hull inside of another, for the detection of initial overlaps, independent of the defined
+//! contacts.
 
 use rstar::RTree;
 use rstar::primitives::{GeomWithData, Rectangle};
@@ -6,10 +7,10 @@ use rstar::primitives::{GeomWithData, Rectangle};
 use super::faces::{self, FacetDistance, Vector};
 use super::surface::{Edge, Surface};
 
-/// Allowed overlap as a fraction of the facet size, in addition to the height of curved sides.
+/// Admitted overlap as a fraction of the facet size, in addition to the height of curved sides.
 const ALLOWED: f64 = 0.01;
 
-/// Angle between adjacent facets, in radians, above which a hull has an edge and no curvature there: 45 degrees.
+/// Angle between adjacent facets `[rad]` above which they form an edge, without curvature of the surface there: 45 degrees.
 const EDGE: f64 = std::f64::consts::FRAC_PI_4;
 
 /// Hull of a body in space.
@@ -18,7 +19,7 @@ pub struct Solid {
     edges: Vec<Edge>,
     q: Vec<f64>,
     tree: RTree<GeomWithData<Rectangle<[f64; 3]>, u32>>,
-    /// Allowed overlap of each facet: estimated height of the curved surface over it plus a fraction of its size `[length]`.
+    /// Admitted overlap of each facet: estimated height of the curved surface over it plus a fraction of its size `[length]`.
     allowed: Vec<f64>,
     bounds: [Vector; 2],
 }
@@ -28,14 +29,14 @@ pub struct Solid {
 pub struct HullPenetration {
     /// Penetration `[length]`.
     pub depth: f64,
-    /// Size of the smaller facet there `[length]`.
+    /// Size of the smaller one of the two facets at the deepest point `[length]`.
     pub size: f64,
     /// Position `[length]`.
     pub at: [f64; 3],
 }
 
 impl Solid {
-    /// Hull with these facets, counter-clockwise as seen from outside, in indices of nodes with positions `q`.
+    /// Hull with the given facets, counter-clockwise as seen from outside, in indices of nodes with positions `q`.
     pub fn new<'a>(facets: impl IntoIterator<Item = &'a [u32]>, q: Vec<f64>) -> Solid {
         let surface = Surface::in_space(facets);
         let mut turns = vec![0.0f64; surface.count()];
@@ -58,7 +59,7 @@ impl Solid {
         Solid { surface, edges, tree, allowed, bounds, q }
     }
 
-    /// Nearest facet to a point inside, with its distance; `None` outside, or if the nearest point is on an edge.
+    /// Nearest facet to a point inside of the hull, with its distance; `None` outside, or if the nearest point is on an edge.
     fn around(&self, x: Vector) -> Option<(usize, f64)> {
         let is_out = (0..3).any(|i| x[i] <= self.bounds[0][i] || x[i] >= self.bounds[1][i]);
         if is_out {
@@ -85,7 +86,7 @@ impl Solid {
         let edges =
             self.edges.iter().map(|edge| (edge.facets.into_iter().flatten().collect(), 0.5 * (at(edge.nodes[0]) + at(edge.nodes[1]))));
         let facets = (0..surface.count()).map(|facet| (vec![facet as u32], faces::middle(surface.facet(facet), &self.q)));
-        // Facet with the smallest allowed overlap among those with the point.
+        // The admitted overlap is that of the adjacent facet for which it is smallest.
         let sunk = |(on, x): (Vec<u32>, Vector)| {
             let (facet, depth) = other.around(x)?;
             let own = on.into_iter().map(|own| own as usize).min_by(|&a, &b| self.allowed[a].total_cmp(&self.allowed[b]))?;

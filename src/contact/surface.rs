@@ -69,7 +69,8 @@ impl Sides {
         }
     }
 
-    /// Divides the covered area of each secondary node, given once or once for each of its constraints, by its tributary area at `q`.
+    /// Converts covered areas of secondary nodes to fractions: divides by the tributary area at `q`. `covered` has one value per node, or
+    /// one per constraint of each node.
     pub fn cover(&self, covered: &mut [f64], q: &[f64]) {
         let rows = covered.len() / self.secondary.nodes().len();
         for (row, share) in covered.iter_mut().enumerate().filter(|(_, share)| **share > 0.0) {
@@ -79,12 +80,12 @@ impl Sides {
 }
 
 impl Surface {
-    /// Plane surface of these facets (model node numbers, the body on the left).
+    /// Plane surface with the given facets (model node numbers, the body on the left).
     pub fn new(facets: &[[u32; 2]]) -> Self {
         Surface::of_facets(2, facets.iter().map(|facet| &facet[..]))
     }
 
-    /// Surface in space of these facets (model node numbers, counter-clockwise as seen from outside).
+    /// Surface in space with the given facets (model node numbers, counter-clockwise as seen from outside).
     pub fn in_space<'a>(facets: impl IntoIterator<Item = &'a [u32]>) -> Self {
         Surface::of_facets(3, facets)
     }
@@ -161,8 +162,8 @@ impl Surface {
         })
     }
 
-    /// Facet ranks of this and of another surface with common facets, such that exactly one of the two ordered pairs of two common facets
-    /// has ascending ranks. `None` without common facets.
+    /// Ranks of the facets of this and of another surface, by which exactly one of the two orders of a pair of common facets is ascending.
+    /// `None` without common facets.
     pub fn ranks(&self, other: &Surface) -> Option<[Vec<u32>; 2]> {
         let mut order: Vec<(&[u32], u32)> = (0..self.count()).map(|facet| self.facet(facet)).zip(1u32..).collect();
         order.sort_unstable();
@@ -175,8 +176,8 @@ impl Surface {
         others.iter().any(|&rank| rank != u32::MAX).then_some([own, others])
     }
 
-    /// True for each node at which a plane surface is bent at the positions `q`: two facets turn by more than the angle of `cosine`,
-    /// outwards or inwards, or a chain ends, where the body has a corner outside of the contact.
+    /// True for each node at which a plane surface is bent at the positions `q`: two facets make more than the angle of `cosine`, outwards
+    /// or inwards, or a chain ends, where the body has a corner outside of the contact.
     pub fn bends(&self, q: &[f64], cosine: f64) -> Vec<bool> {
         let along = |facet: u32| {
             let [a, b] = self.facets()[facet as usize].map(|node| 2 * node as usize);
@@ -190,7 +191,7 @@ impl Surface {
         (0..self.nodes.len()).map(is_bent).collect()
     }
 
-    /// True if the body has a convex corner or a straight side at the node of that index at the positions `q`.
+    /// True if the body is convex or straight at the node of the given index, for the positions `q`.
     pub(crate) fn is_convex(&self, index: usize, q: &[f64]) -> bool {
         let along = |facet: u32| {
             let [a, b] = self.facets()[facet as usize].map(|node| 2 * node as usize);
@@ -227,7 +228,7 @@ impl Surface {
         (0..self.nodes.len()).map(|index| self.adjacent_facets(index).len() != 2).collect()
     }
 
-    /// True if every node of a plane surface, or every edge of one in space, lies between two facets.
+    /// True if the surface has no ends (plane) or border edges (space).
     pub fn is_closed(&self) -> bool {
         if self.dimension == 2 { !self.ends().contains(&true) } else { self.edges().iter().all(|edge| edge.facets[1].is_some()) }
     }

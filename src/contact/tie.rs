@@ -33,7 +33,7 @@ pub struct Tie {
     start_gap: Vec<f64>,
 }
 
-/// Constant data of a tied facet pair.
+/// Constant data of a tied pair of facets.
 #[derive(Clone, Debug)]
 pub(super) struct TiedPair {
     /// Model node numbers, secondary nodes first.
@@ -70,7 +70,7 @@ impl Tie {
         Tie::of(sides, pairs)
     }
 
-    /// Surfaces tied by these facet pairs.
+    /// Tie of the two surfaces `sides` by the given facet pairs.
     pub(super) fn of(mut sides: Sides, pairs: Vec<TiedPair>) -> Self {
         let (nodal, rows) = (&sides.weights, sides.secondary.dimension());
         let mut covered = vec![0.0; nodal.len()];
@@ -101,7 +101,7 @@ fn pair_gradient(nodes: [u32; 4], reference: &[f64], reach: f64) -> Option<([[f6
     }
     let (s_1, s_2, length) = (pi[1] / pi[0], pi[2] / pi[0], pi[0].sqrt());
     let (a, b) = (s_2.max(0.0), s_1.min(1.0));
-    // Integrals of N_A N_B and N_A M_C: quadratic in s, exact by two Gauss points.
+    // Integrals of N_A N_B and N_A M_C, quadratic in s, so that two Gauss points are exact.
     let mut sums = [[0.0; 4]; 2];
     let mut lengths = [0.0; 2];
     for sign in [-1.0, 1.0] {
@@ -132,7 +132,7 @@ fn pair_gradient(nodes: [u32; 4], reference: &[f64], reach: f64) -> Option<([[f6
             for node in 0..4 {
                 line[2 * node + i] = sums[row][node];
             }
-            // - alpha (y_2 - y_1)_i - beta (J (y_2 - y_1))_i, J (a, b) = (-b, a).
+            // Subtracts alpha (y_2 - y_1)_i + beta (J (y_2 - y_1))_i with J (a, b) = (-b, a).
             line[4 + i] += alpha;
             line[6 + i] -= alpha;
             let turned = if i == 0 { beta } else { -beta };
@@ -242,7 +242,7 @@ mod tests {
             moved.iter_mut().for_each(|x| *x = factor * *x + 5.0);
             assert!(largest(&tie.gap(&moved)) < 1e-15);
         }
-        // Rotating one body by 0.1 opens a gap of weight times distance.
+        // A rotation of one body by 0.1 opens a gap of weight times the displacement 2 r sin(0.05), r = 1.
         let gaps = tie.gap(&turned(&q, 40, 0.1, 0.0));
         let expected = tie.sides.weights[0] * 2.0 * 0.05f64.sin();
         for gap in gaps.chunks_exact(2) {

@@ -1,4 +1,5 @@
-//! Tilt of the rim of a cylinder relative to a plane: how much nearer its nearest point is than its center (`rolling.rs`).
+//! Tilt of the rim of a cylinder relative to a plane: the height by which its lowest point is nearer to the plane than its center
+//! (`rolling.rs`).
 
 use crate::integrators::{Configuration, Derivative};
 use crate::math::tolerances::{RIM_FLAT, RIM_LEAST};
@@ -13,17 +14,17 @@ pub(super) struct Tilt {
 
 impl Tilt {
     pub fn of(sine: f64) -> Self {
-        // A rim that becomes flat within a step keeps a small height.
+        // A rim that becomes flat within a step keeps a small height, since `h` has a cusp at zero.
         let height = (1.0 - sine * sine).max(RIM_LEAST * RIM_LEAST).sqrt();
         Tilt { sine, height, slope: -sine / height }
     }
 
-    /// True for a flat rim, which nodal constraints hold.
+    /// True for a rim that lies flat, so that nodal constraints act instead.
     pub fn is_flat(&self) -> bool {
         self.height <= RIM_FLAT
     }
 
-    /// Derivative of `h` for the forces of a step from `self` to `end`, discrete or at a configuration, and its derivative with respect to
+    /// Derivative of `h` for the forces of a step from `self` to `end`: discrete, or at a configuration; and its derivative with respect to
     /// `s` at the end.
     pub fn to(self, end: Tilt, derivative: Derivative) -> [f64; 2] {
         let plain = |at: Tilt, share: f64| [at.slope, -share / at.height.powi(3)];

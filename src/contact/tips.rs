@@ -1,11 +1,11 @@
-//! Convex corners of two surfaces that cross: the side beyond which the other corner lies (separating axis; `node_to_segment.rs`).
+//! Convex corners (tips) of two surfaces that cross: the side that separates them (separating axis; `node_to_segment.rs`).
 //!
-//! Two wedges are separated by a side's line if the other wedge lies entirely in front of it. Candidates are those of their four sides from
-//! which the other wedge opens away, each with the distance of its tip. The largest of these distances is the separation of the wedges; if
-//! negative, the least motion that separates them. The distance of a tip from the other body, defined by the nearer of its two sides, would
-//! instead lead the tip through the other one and count it as outside beyond.
+//! Two wedges are separated by the line of a side if the other wedge lies entirely in front of it. Candidates are those of the four sides
+//! from which the other wedge opens away, each with the distance of the other tip. The largest of these distances is the separation of the
+//! wedges; if negative, the least motion that separates them. The distance of a tip from the other body, defined by the nearer of its two
+//! sides, would instead move the tip through the other wedge and count it as outside beyond.
 
-/// Corner of a surface: positions of its node and of the nodes before and after it, the body on the left.
+/// Corner of a surface: positions of its node and of the nodes before and after it, with the body on the left.
 #[derive(Clone, Copy, Debug)]
 pub struct Tip {
     pub before: [f64; 2],
@@ -52,7 +52,7 @@ impl Tip {
         self.sides().map(|(from, along)| outward(along, minus(x, from)))
     }
 
-    /// Distance of another tip from each side from which the other body opens away; `None` for other sides.
+    /// Distance of another tip from each side of this tip; `None` for sides from which the other body does not open away.
     fn apart(&self, other: &Tip) -> [Option<f64>; 2] {
         let gaps = self.gaps(other.at);
         [0, 1].map(|side| {
@@ -104,14 +104,14 @@ mod tests {
     fn what_parts_two_tips_is_the_least_motion_that_does() {
         let up = tip(true, [0.0, 0.0]);
         let parting = |x: [f64; 2]| [tip(false, x).parting(&up), up.parting(&tip(false, x))];
-        // Beside the other tip, above it.
+        // Tips beside each other, and one above the other: no crossing.
         assert_eq!([parting([-0.3, -0.3]), parting([0.2, 0.4])], [[None; 2]; 2]);
-        // Slightly inside: the nearer side would move the tip through the other body; the other side is the way out.
+        // Slight penetration: the nearer side would move the tip through the other body; the other side separates them.
         for x in [[0.01, -0.3], [0.14, -0.3], [0.2, -0.3]] {
             let back = Some(SeparatingSide::AtOwn { misleading: [false, true] });
             assert_eq!(parting(x), [Some(SeparatingSide::AtOther(1)), back], "{x:?}");
         }
-        // Deep penetration: the other tip is nearer to one of the sides of this one.
+        // Deep penetration: one side of this tip is nearer to the other tip, but does not separate the bodies.
         let back = Some(SeparatingSide::AtOwn { misleading: [true, false] });
         assert_eq!(parting([0.4, -0.3]), [back, Some(SeparatingSide::AtOther(0))]);
     }

@@ -1,4 +1,4 @@
-//! Selection of the facet pairs that take part in a step: those whose gap could close in it somewhere on their overlap.
+//! Selection of the facet pairs that take part in a step: pairs whose gap may close in the step somewhere on their overlap.
 //!
 //! An open pair would offset the overlap of another pair in the weighted gap of a node, and a pair of far sides of two thin bodies would
 //! count as a deep overlap. A pair therefore takes part while, on its overlap,
@@ -12,8 +12,9 @@
 //! every search covers. The decision depends on the pair and on the start of the step only, not on the search distance or on fast nodes
 //! elsewhere. `slivers.rs` then excludes pairs whose overlap may begin or end in the step beside a corner.
 //!
-//! At rest, bodies that overlap by many facets may be pressed apart. The overlap is then given ([`PredictedMotion::depth`]) and replaces
-//! `|t|/2`: boxes may be farther apart by the same amount, and thickness is measured to twice that depth, which keeps far sides excluded.
+//! In a search for equilibrium, bodies that overlap by many facets may be pressed apart. The overlap is then given
+//! ([`PredictedMotion::depth`]) and replaces `|t|/2`: boxes may be farther apart by the same amount, and thickness is measured to twice
+//! that depth, which keeps far sides excluded.
 
 use rstar::primitives::{GeomWithData, Rectangle};
 use rstar::{AABB, RTree};
@@ -25,10 +26,11 @@ use crate::math::tolerances::{FACING, OPPOSITE};
 /// Opening beyond the motion bound, in shortest secondary facets, up to which a pair takes part.
 const OPEN: f64 = 0.5;
 
-/// Overlap in secondary facets, or in thicknesses of both bodies together, up to which a pair takes part.
+/// Overlap up to which a pair takes part, as a fraction of the secondary facet or of the total thickness of both bodies.
 const DEEP: f64 = 0.5;
 
-/// Search distance beyond the shortest secondary facet, in units of the largest relative motion: normal approach plus equal sliding.
+/// Distance between boxes beyond the shortest secondary facet up to which a pair takes part, in units of the motion bound: normal approach
+/// plus equal sliding.
 const DIAGONAL: f64 = 1.5;
 
 /// Predicted motion of a step, from which its search horizon follows.
@@ -40,11 +42,11 @@ pub struct PredictedMotion<'a> {
     pub motion_bound: MotionBound<'a>,
     /// Factor on the search distance; results do not depend on it.
     pub reach: f64,
-    /// Overlap up to which pairs take part at rest, where bodies are pressed apart; 0 in motion `[length]`.
+    /// Overlap up to which pairs take part in a search for equilibrium, in which bodies are pressed apart; 0 in motion `[length]`.
     pub depth: f64,
 }
 
-/// Bound of the relative motion of nodes within a step.
+/// Upper bound of the relative motion of two nodes within a step.
 #[derive(Clone, Copy, Debug)]
 pub enum MotionBound<'a> {
     /// Common bound for any two nodes `[length]`.
@@ -53,10 +55,10 @@ pub enum MotionBound<'a> {
     Each {
         /// Bound of each node `[length]`.
         sizes: &'a [f64],
-        /// Additional relative motion of any two nodes `[length]`.
+        /// Additional relative motion of any two nodes, to be added to the bounds of both `[length]`.
         besides: f64,
     },
-    /// Two predicted displacement fields; the bound is the larger relative motion times a factor.
+    /// Two predicted displacement fields; the bound is the larger of both relative motions times a safety factor.
     Guessed {
         /// Displacements `[length]`, component by component.
         displacements: [&'a [f64]; 2],
@@ -71,7 +73,7 @@ impl<'a> PredictedMotion<'a> {
         PredictedMotion { q, motion_bound: MotionBound::UpTo(motion_bound), reach: 1.0, depth: 0.0 }
     }
 
-    /// Positions at the end of the step by the first predicted displacement field; `None` without predicted fields `[length]`.
+    /// Predicted positions at the end of the step `[length]`, by the first displacement field; `None` without predicted fields.
     pub(super) fn end(&self) -> Option<Vec<f64>> {
         let MotionBound::Guessed { displacements: [first, _], .. } = self.motion_bound else { return None };
         Some(self.q.iter().zip(first).map(|(q, u)| q + u).collect())
@@ -82,7 +84,7 @@ impl<'a> PredictedMotion<'a> {
         self.reach * self.margin(sides)
     }
 
-    /// Search horizon: distance within which all pairs are that may take part `[length]`.
+    /// Search horizon: distance that contains all pairs that may take part `[length]`.
     pub(super) fn margin(&self, sides: &Sides) -> f64 {
         let motion_bound = match self.motion_bound {
             MotionBound::UpTo(motion_bound) => motion_bound,
@@ -127,15 +129,15 @@ impl<'a> PredictedMotion<'a> {
     }
 }
 
-/// Largest value of some nodes.
+/// Largest of the values at the given nodes.
 fn largest(sizes: &[f64], nodes: &[u32]) -> f64 {
     nodes.iter().fold(0.0, |largest, &node| largest.max(sizes[node as usize]))
 }
 
-/// Geometry of two surfaces that selects the pairs which take part.
+/// Geometry of two surfaces by which participating pairs are selected.
 #[derive(Clone, Debug)]
 pub struct Window {
-    /// Body thickness behind the facets of both sides in the reference positions, measured to far sides that belong to the contact
+    /// Thickness of the body behind each facet of both sides in the reference positions, measured to far sides that belong to the contact
     /// `[length]`.
     thickness: [Vec<f64>; 2],
     /// Distance to which thickness has been measured on each side; larger values are infinite `[length]`.
@@ -144,7 +146,7 @@ pub struct Window {
     reference: Vec<f64>,
     lengths: [Vec<f64>; 2],
     facet_size: f64,
-    /// Overlap up to which pairs take part in this step at rest; 0 in motion `[length]`.
+    /// Overlap up to which pairs take part in this search for equilibrium; 0 in motion `[length]`.
     depth: f64,
 }
 
@@ -161,8 +163,8 @@ impl Window {
     pub fn new(sides: &Sides, reference: &[f64]) -> Self {
         let surfaces = [&sides.secondary, &sides.primary];
         let lengths = surfaces.map(|surface| (0..surface.count()).map(|facet| surface.facet_size(facet, reference)).collect::<Vec<f64>>());
-        // In motion only bodies thinner than a facet length limit the admitted overlap. Thickness is measured up to the largest facet
-        // length: in motion a larger one has no effect.
+        // In motion only bodies thinner than a facet length limit the admitted overlap, so that thickness is measured up to the largest
+        // facet length.
         let measured = [0, 1].map(|side| lengths[side].iter().copied().fold(0.0, f64::max));
         let thickness = [0, 1].map(|side| thickness(surfaces[side], reference, measured[side]));
         Window { thickness, measured, reference: reference.to_vec(), lengths, facet_size: sides.facet_size, depth: 0.0 }
@@ -179,12 +181,12 @@ impl Window {
         }
     }
 
-    /// Penetration from which pairs with that facet length and total body thickness are excluded `[length]`.
+    /// Penetration from which pairs with the given facet length and total body thickness are excluded `[length]`.
     fn deep(&self, length: f64, thickness: f64) -> f64 {
         (DEEP * length.min(thickness)).max(self.depth.min(DEEP * thickness))
     }
 
-    /// Overlap up to which nodes take part in this step at rest; 0 in motion `[length]`.
+    /// Overlap up to which nodes take part in this search for equilibrium; 0 in motion `[length]`.
     pub(super) fn depth(&self) -> f64 {
         self.depth
     }
@@ -229,13 +231,13 @@ impl Window {
         })
     }
 
-    /// Distance within which all pairs are that overlap at `q` and are not excluded as too deep `[length]`.
+    /// Distance that contains all pairs that overlap at `q` and are not excluded as too deep `[length]`.
     pub fn deepest(&self, sides: &Sides, q: &[f64]) -> f64 {
         let now = (0..sides.secondary.count()).map(|facet| sides.secondary.facet_size(facet, q));
         self.depth.max(DEEP * self.lengths.iter().flatten().copied().chain(now).fold(0.0, f64::max))
     }
 
-    /// True if a pair that was open at `q_0`, and excluded from the step to `q_1`, overlaps at its end.
+    /// True if a pair that was open at `q_0` and was excluded from the step overlaps at its end `q_1`.
     pub fn is_overlooked(&self, pair: [u32; 2], sides: &Sides, q_0: &[f64], q_1: &[f64], tolerance: f64) -> bool {
         let closed = |gaps: Gaps| gaps.least < -tolerance && gaps.largest > -gaps.deep;
         if !self.gaps(pair, sides, q_1, 0.0).is_some_and(closed) {
@@ -252,8 +254,8 @@ impl Window {
         self.gaps(pair, sides, q_0, motion_bound).is_some_and(|gaps| gaps.least > 0.0)
     }
 
-    /// True unless a node of `side` (0: secondary) with the adjacent facets `own_facets` is too deep behind facet `other` of the other
-    /// side; `gap` is the gap of the node to that facet.
+    /// True if a node of `side` (0: secondary) is not too deep behind facet `other` of the other side, given its adjacent facets
+    /// `own_facets` and its gap `gap` to that facet.
     pub fn admits_depth(&self, side: usize, own_facets: &[u32], other: u32, gap: f64) -> bool {
         let (thickness, lengths, other) = (&self.thickness[side], &self.lengths[side], other as usize);
         let own = own_facets.iter().map(|&facet| thickness[facet as usize]).fold(f64::INFINITY, f64::min);
@@ -356,7 +358,7 @@ mod tests {
         assert!(Window::new(&only, &q).thickness[0].iter().all(|t| t.is_infinite()), "the far side is not in the contact");
     }
 
-    /// Facing pairs take part from the opening of the window on; pairs of far sides never do.
+    /// Facing pairs take part within the opening of the window; pairs of far sides never do.
     #[test]
     fn faces_that_look_through_the_bodies_take_no_part() {
         for (distance, motion_bound, meet) in
@@ -385,7 +387,7 @@ mod tests {
         let (sides, q) = sides(0.6);
         let window = Window::new(&sides, &q);
         let mut u = vec![0.0; q.len()];
-        // All nodes move together except the left end of the upper plate.
+        // All nodes move down together except the left end of the upper plate.
         u.chunks_exact_mut(2).for_each(|u| u[1] = -5.0);
         let together = [&u[..]; 2];
         let predicted_motion =
@@ -410,8 +412,8 @@ mod tests {
         assert!(!window.is_overlooked([2, 1], &sides, &q_0, &lowered(0.65), 1e-12), "looks through both plates");
     }
 
-    /// With a given depth at rest, pairs take part up to that depth, but never the far sides of thin bodies: the plates are 0.1 and 0.2
-    /// thick.
+    /// In a search for equilibrium pairs take part up to the given depth, but never the far sides of thin bodies: the plates are 0.1 and
+    /// 0.2 thick.
     #[test]
     fn at_rest_pairs_take_part_as_deep_as_is_told() {
         for (distance, depth, meet) in [(-0.14, 0.0, true), (-0.16, 0.0, false), (-0.14, 0.2, true), (-0.16, 0.2, false)] {

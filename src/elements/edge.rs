@@ -14,7 +14,7 @@ pub fn edge_shapes(nodes: usize, s: f64) -> ([f64; 3], [f64; 3]) {
     }
 }
 
-/// The quadratic function of an interval that is one at its node `at`, and its slope.
+/// Quadratic shape function on the interval [-1, 1] that is 1 at its node `at` and 0 at the other two, and its derivative.
 pub(super) fn quadratic(at: f64, x: f64) -> (f64, f64) {
     if at == 0.0 { (1.0 - x * x, -2.0 * x) } else { (0.5 * x * (x + at), x + 0.5 * at) }
 }

@@ -41,12 +41,12 @@ pub(super) static ROW: CellRow = CellRow {
 /// The quadratic serendipity hexahedron.
 pub struct Hex20;
 
-/// Direction of the edge whose midpoint is the given place; `None` for a corner.
+/// Direction of the edge whose midpoint has the reference coordinates `place`; `None` for a corner.
 fn along(place: [f64; 3]) -> Option<usize> {
     place.iter().position(|&x| x == 0.0)
 }
 
-/// `(1 + x x_a)/2` of a direction, and its slope.
+/// Linear shape function `(1 + x x_a)/2` of one direction, and its derivative.
 fn linear(at: f64, x: f64) -> (f64, f64) {
     (0.5 * (1.0 + x * at), 0.5 * at)
 }

@@ -1,10 +1,10 @@
-//! A quadrature that integrates the mass of every cell kind exactly, curved and around an axis.
+//! A quadrature that integrates the mass matrix of every cell kind exactly, also for curved and for axisymmetric cells.
 //!
 //! `N_a N_b det J` of a cell of order `p` in `D` dimensions has the degree `2 p + D p - 1` in each coordinate of a product cell, at most 8
-//! (`hex20`, `hex27`, `pyr13`), and the total degree `2 p + D (p - 1)` of a simplex, at most 7 (`tet10`), 8 in the
-//! triangle of `wedge15`; the radius of a body of revolution adds `p`. Five Gauss points along each axis are exact to
-//! degree 9. A simplex is a collapsed square or cube (A. H. Stroud, Approximate Calculation of Multiple Integrals, 1971), whose
-//! factors `(1 - u)` and `(1 - u)^2` add one and two degrees.
+//! (`hex20`, `hex27`, `pyr13`), and the total degree `2 p + D (p - 1)` of a simplex, at most 7 (`tet10`), 8 in the triangle of `wedge15`;
+//! the radius of a body of revolution adds `p`. Five Gauss points along each axis are exact to degree 9. A simplex is a collapsed square or
+//! cube (A. H. Stroud, Approximate Calculation of Multiple Integrals, 1971), whose factors `(1 - u)` and `(1 - u)^2` add one and two
+//! degrees.
 
 use super::CellShape;
 

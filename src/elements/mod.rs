@@ -1,8 +1,8 @@
 //! Floor 1: reference cells. A cell kind has shape functions, quadrature and facets, independent of meshes and materials.
 //!
-//! Node order of every kind is VTK's; of `wedge6` that of VTK 9.6 and later, whose triangles ran the other way round before. Facets are
-//! listed so that the cell lies to the left (2D) or the normal points outward (3D) when a cell is positively oriented. A new kind is one
-//! file with its row, and a line in each list below.
+//! The node order of every kind is VTK's; that of `wedge6` is the order of VTK 9.6 and later (older versions list both triangles in
+//! reverse). Facets are listed so that the cell lies to the left (2D) or the normal points outward (3D) when a cell is positively oriented.
+//! A new kind is one file with its row, and a line in each list below.
 
 mod edge;
 mod face;

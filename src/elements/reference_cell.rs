@@ -45,7 +45,7 @@ impl CellShape {
         matches!(self, CellShape::Triangle | CellShape::Tetrahedron)
     }
 
-    /// True if some facets are triangles, in the plane the cell itself.
+    /// True if some facets are triangles; of plane cells, true for triangles.
     pub fn has_triangles(self) -> bool {
         !matches!(self, CellShape::Quadrilateral | CellShape::Hexahedron)
     }
@@ -101,7 +101,7 @@ pub struct CellRow {
     /// Local node numbers of each facet (codimension one), outward oriented, in the order of a cell with these nodes: corners, middles of
     /// the edges from the first corner on, center.
     pub facets: &'static [&'static [usize]],
-    /// Largest power of a coordinate that the quadrature integrates exactly; of simplices and wedges, largest total degree.
+    /// Largest power of each coordinate that the quadrature integrates exactly; for simplices and wedges the largest total degree.
     pub exact_power: usize,
     /// Number of the kind in VTK's files, which have the nodes in the same order.
     pub vtk_type: u8,
@@ -150,17 +150,17 @@ fn cut<const D: usize>(vector: [f64; 3]) -> [f64; D] {
     std::array::from_fn(|i| vector[i])
 }
 
-/// [`ReferenceCell::quadrature`] for a row.
+/// [`ReferenceCell::quadrature`] with three components, for the catalogue row.
 pub(super) fn quadrature<C: ReferenceCell<D, A, Q>, const D: usize, const A: usize, const Q: usize>() -> Vec<([f64; 3], f64)> {
     C::quadrature().map(|(xi, weight)| (padded(xi), weight)).to_vec()
 }
 
-/// [`ReferenceCell::shape`] for a row.
+/// [`ReferenceCell::shape`] of a point with three components, for the catalogue row.
 pub(super) fn shape<C: ReferenceCell<D, A, Q>, const D: usize, const A: usize, const Q: usize>(xi: [f64; 3]) -> Vec<f64> {
     C::shape(cut(xi)).to_vec()
 }
 
-/// [`ReferenceCell::gradients`] for a row.
+/// [`ReferenceCell::gradients`] with three components, for the catalogue row.
 pub(super) fn gradients<C: ReferenceCell<D, A, Q>, const D: usize, const A: usize, const Q: usize>(xi: [f64; 3]) -> Vec<[f64; 3]> {
     C::gradients(cut(xi)).map(padded).to_vec()
 }

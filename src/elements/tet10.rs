@@ -1,9 +1,9 @@
 //! Quadratic tetrahedron: corners as in `tet4`, then the middles of the edges in the order of [`CellShape::edges`]; four points.
 //!
 //! `N = L (2 L - 1)` at the corners, `4 L_a L_b` at the middles, in volume coordinates (Hughes, The Finite Element Method, 2000, section
-//! 3.I). Four points of degree two (Hammer and Stroud 1956) are exact for the stiffness of straight cells; the mass is that of the exact
-//! integrals, in 420ths of the volume: 6 and 1 of corners, -4 of a corner and an edge that ends there, -6 of one that does not, 32 of an
-//! edge, 16 of two that meet, 8 of opposite ones.
+//! 3.I). Four points of degree two (Hammer and Stroud 1956) are exact for the stiffness of straight cells. The mass matrix has the exact
+//! integrals, in 420ths of the volume: 6 for a corner with itself, 1 for two corners; -4 for a corner and the middle of an edge that ends
+//! there, -6 of another edge; 32 for a middle with itself, 16 for middles of edges with a common corner, 8 of opposite edges.
 
 use super::reference_cell::{CellRow, CellShape, ReferenceCell, gradients, quadrature, shape};
 
@@ -49,12 +49,12 @@ fn volume([x, y, z]: [f64; 3]) -> ([f64; 4], [[f64; 3]; 4]) {
     ([1.0 - x - y - z, x, y, z], [[-1.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
 }
 
-/// Ends of the edge in whose middle a node is; of a corner, the corner twice.
+/// Corners at the ends of the edge whose middle a node is; for a corner node, this corner twice.
 fn ends(node: usize) -> [usize; 2] {
     if node < 4 { [node; 2] } else { CellShape::Tetrahedron.edges()[node - 4] }
 }
 
-/// Volume coordinates of a quadrature point: of the nearest corner, and of the others.
+/// Volume coordinates of a quadrature point: `NEAR` of the nearest corner, `FAR` of the other three.
 const NEAR: f64 = 0.585_410_196_624_968_5;
 const FAR: f64 = 0.138_196_601_125_010_5;
 
@@ -106,7 +106,7 @@ impl ReferenceCell<3, 10, 4> for Tet10 {
     }
 
     fn extrapolation() -> [[f64; 10]; 4] {
-        // Linear extrapolation through the points.
+        // The values at the four points determine a linear function, which is extrapolated to the nodes.
         std::array::from_fn(|q| PLACES.map(|place| (volume(place).0[q] - FAR) / (NEAR - FAR)))
     }
 }

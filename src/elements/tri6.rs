@@ -1,8 +1,9 @@
 //! Quadratic triangle: corners as in `tri3`, then the middles of the edges 1-2, 2-3, 3-1; three points.
 //!
 //! `N = L (2 L - 1)` at the corners, `4 L_a L_b` at the middles, in area coordinates (Hughes, The Finite Element Method, 2000, section
-//! 3.I). Three points of degree two (Strang and Fix 1973) are exact for the stiffness of straight cells; the mass is that of the exact
-//! integrals: 1/30, -1/180 and -1/45 at the corners, 8/45 and 4/45 at the middles.
+//! 3.I). Three points of degree two (Strang and Fix 1973) are exact for the stiffness of straight cells. The mass matrix has the exact
+//! integrals, relative to the area: 1/30 for a corner with itself, -1/180 for two corners, -1/45 for a corner and the middle of the
+//! opposite edge, 0 for a corner and the middle of an edge that ends there, 8/45 for a middle with itself, 4/45 for two middles.
 
 use super::reference_cell::{CellRow, CellShape, ReferenceCell, gradients, quadrature, shape};
 
@@ -63,7 +64,7 @@ impl ReferenceCell<2, 6, 3> for Tri6 {
     }
 
     fn products() -> [[[f64; 6]; 6]; 3] {
-        // Over the area. A corner and the middle of the edge across from it: -1/45; of an edge that ends there: 0.
+        // Integrals over the cell of products of shape functions, relative to the area.
         let entry = |a: usize, b: usize| match (a.min(b), a.max(b)) {
             (corner, other) if other < 3 => {
                 if corner == other {
@@ -91,7 +92,7 @@ impl ReferenceCell<2, 6, 3> for Tri6 {
     }
 
     fn extrapolation() -> [[f64; 6]; 3] {
-        // Linear through three points, each of which has 2/3 of its corner and 1/6 of the others.
+        // Linear function through three points, each with 2/3 as the area coordinate of its nearest corner and 1/6 of the others.
         std::array::from_fn(|q| PLACES.map(|[x, y, _]| 2.0 * area([x, y]).0[q] - 1.0 / 3.0))
     }
 }

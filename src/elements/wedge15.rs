@@ -33,7 +33,7 @@ pub(super) static ROW: CellRow = CellRow {
 /// The quadratic wedge.
 pub struct Wedge15;
 
-/// The ends of the edge of the triangle whose middle a node is, by its number less 6.
+/// Corners at the ends of the triangle edge whose middle is node `6 + number`.
 fn ends(number: usize) -> [usize; 2] {
     [number % 3, (number + 1) % 3]
 }
@@ -89,7 +89,7 @@ impl ReferenceCell<3, 15, 9> for Wedge15 {
                 row.iter_mut().zip(shapes).for_each(|(sum, b)| *sum += weight * a * b);
             }
         }
-        // The reference cell has the volume 1.
+        // The reference cell has the volume 1: products are summed to the mass of a unit volume.
         [mass; 9]
     }
 

@@ -75,7 +75,7 @@ impl<const D: usize> Projection<D> {
             inertia += Matrix3::from_diagonal_element(square) - *r * r.transpose();
             moment += r.cross(d);
         }
-        // In the plane the nodes may lie on a line; in space a patch on a line turns about two axes only.
+        // In the plane the nodes may lie on a line; in space a contact element with its nodes on a line rotates about two axes only.
         self.inverse_inertia = if D == 2 {
             let about = inertia.m33;
             Matrix3::from_diagonal(&Vector3::new(0.0, 0.0, if about > 0.0 { 1.0 / about } else { 0.0 }))

@@ -97,7 +97,7 @@ impl LagWeights {
     }
 }
 
-/// Sequence of a step.
+/// Kind of a step: number of systems of equations, and their coefficients.
 #[derive(Clone, Copy, Debug)]
 pub enum StepKind {
     /// One system of equations with the coefficients of the scheme.

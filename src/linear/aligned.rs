@@ -2,10 +2,10 @@
 
 use std::collections::TryReserveError;
 
-/// Numbers in a cache line.
+/// Number of `f64` in a cache line of 64 bytes.
 const LINE: usize = 8;
 
-/// Inverse of the share of a buffer's length that is reserved for later enlargement.
+/// Reserve for later enlargement: one part in `SLACK` of the buffer's length.
 const SLACK: usize = 16;
 
 /// Buffer of numbers that starts at a cache line.
@@ -20,10 +20,11 @@ impl AlignedBuffer {
     /// Resizes the buffer to at least `length` numbers; its values are lost.
     pub(super) fn resize(&mut self, length: usize) -> Result<(), TryReserveError> {
         if self.storage.len() < length + LINE {
-            // The old buffer is freed first: both together would be the peak memory of the run.
+            // The old buffer is freed first, since both buffers together would be the peak memory of the run.
             self.storage = Vec::new();
             let mut storage = Vec::new();
-            // Reserve, because structures grow slightly while surfaces slide, and new memory pages are slow.
+            // A reserve avoids new allocations: structures grow slightly while surfaces slide, and first access to new memory pages is
+            // slow.
             let length = length + length / SLACK + LINE;
             storage.try_reserve_exact(length)?;
             storage.resize(length, 0.0);

@@ -1,4 +1,4 @@
-//! Assembly of a front from its matrix entries and the update matrices of its children.
+//! Assembly of a front from its matrix entries and from the update matrices (Schur complements) of its children.
 
 use pulp::{Simd, WithSimd};
 
@@ -67,7 +67,7 @@ fn add_beside(entry: &OffDiagonalBlock, pivots: usize, others: usize, factor: f6
     }
 }
 
-/// Number of columns assembled at a time, few enough for a fast cache.
+/// Number of columns assembled at a time, so that they fit into a fast cache.
 const COLUMNS: usize = 32;
 
 /// Number of entries of a front above which threads share its columns.
@@ -77,10 +77,10 @@ const WORTH_SHARING: usize = 20_000;
 #[derive(Clone, Copy)]
 pub(super) struct Received<'a> {
     pub(super) symbolic: &'a Symbolic,
-    /// Locations of all waiting updates.
+    /// Locations of the update matrices of all fronts that are not yet assembled.
     pub(super) places: &'a [(Side, usize)],
     pub(super) children: &'a [u32],
-    /// Update matrices on the stacks, from index `start` of the buffer on, and those handed over by other tasks.
+    /// Update matrices on the stacks, from index `start` of the buffer on; `handed`: those handed over by other tasks.
     pub(super) waiting: &'a [f64],
     pub(super) start: usize,
     pub(super) handed: &'a [f64],
@@ -95,14 +95,14 @@ struct PivotColumns<'a> {
     upper: &'a mut [f64],
 }
 
-/// Columns of the remainder of a front.
+/// Some columns of the remainder of a front, which becomes its update matrix.
 struct RestColumns<'a> {
     first: usize,
     columns: &'a mut [f64],
 }
 
 impl<'a> Received<'a> {
-    /// Fills the blocks with the sums of the updates.
+    /// Adds the update matrices of all children to the blocks of the front.
     #[inline(always)]
     pub(super) fn add_up<S: Simd>(self, simd: S, blocks: &mut Blocks, workers: &Workers) {
         let (p, u) = (blocks.p, blocks.u);
@@ -191,7 +191,7 @@ impl<'a> Received<'a> {
     }
 }
 
-/// [`Received`] as a task, of which each thread processes a part.
+/// Columns of a front to which [`Received`] is added, divided among threads.
 struct AddUp<'a, P> {
     received: Received<'a>,
     part: P,
@@ -217,7 +217,7 @@ impl WithSimd for AddUp<'_, &mut RestColumns<'_>> {
     }
 }
 
-/// Adds a run of rows of some columns to the target rows.
+/// Adds a contiguous run of rows of some columns of an update matrix to the corresponding rows of the parent front.
 #[inline(always)]
 fn add_run<S: Simd>(simd: S, rows: &Run, source: &[f64], source_stride: usize, target: &mut [f64], target_stride: usize) {
     let (length, from, to) = (rows.length as usize, rows.source as usize, rows.target as usize);

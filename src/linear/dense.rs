@@ -1,4 +1,5 @@
-//! Dense elimination of one front: LU of its pivot block, the two triangular solves beside it, and the Schur complement of the others.
+//! Dense elimination of one front: LU of its pivot block, the two triangular solves beside it, and the Schur complement for the non-pivot
+//! unknowns.
 //!
 //! Small fronts are eliminated in place. In large fronts, where each column occupies its own memory page, blocks of pivots are eliminated
 //! in turn: their rows and columns are copied into strips, which stay in cache during the update of the remaining front and are shared
@@ -17,7 +18,7 @@ use crate::math::workers::Workers;
 /// Number of entries beside the pivot block above which strips are copied.
 const PACKED: usize = 4096;
 
-/// Largest number of pivots eliminated in one block: the factors fit into the cache.
+/// Largest number of pivots that are eliminated as one block, whose factors fit into the cache.
 const WHOLE: usize = 384;
 
 impl Blocks<'_> {
@@ -71,7 +72,7 @@ impl Blocks<'_> {
         }
     }
 
-    /// Exchanges columns to the right of the pivot block like the rows of a block of pivots.
+    /// Exchanges columns to the right of the pivot block according to the row exchanges `swaps` of a block of pivots.
     fn swap_upper(&mut self, swaps: &[u32], block: Range<usize>) {
         let u = self.u;
         for k in block.start..block.end.min(self.pivots) {

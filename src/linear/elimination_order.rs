@@ -14,11 +14,11 @@ use super::symbolic::Symbolic;
 pub struct EliminationOrder {
     /// Best order of elimination found.
     pub(super) found: Arc<Order>,
-    /// Work of a factorisation when the order was made.
+    /// Operations of a factorization at the time when the order was made.
     pub(super) best: f64,
     /// Couplings whose blocks are in the structure of the factors; empty before the first matrix.
     pub(super) kept: Arc<Couplings>,
-    /// Work of a factorization when `kept` contained the couplings of one matrix only.
+    /// Operations of a factorization when `kept` contained the couplings of a single matrix.
     pub(super) least: f64,
 }
 
@@ -28,12 +28,12 @@ pub struct EliminationOrder {
 pub struct Account {
     /// Number of factorizations since `kept` was reset to the couplings of one matrix.
     pub(super) uses: usize,
-    /// Work in excess of the best since the order was made.
+    /// Sum of the operations beyond `best` of all factorizations since the order was made.
     pub(super) wasted: f64,
 }
 
 impl EliminationOrder {
-    /// Size of the data in bytes that is not shared with `before`.
+    /// Bytes of the data that is not shared with the earlier value `before`.
     pub(super) fn size(&self, before: Option<&Self>) -> usize {
         let order = if before.is_some_and(|before| Arc::ptr_eq(&self.found, &before.found)) { 0 } else { self.found.size() };
         let kept = if before.is_some_and(|before| Arc::ptr_eq(&self.kept, &before.kept)) { 0 } else { self.kept.size() };
@@ -45,7 +45,7 @@ impl EliminationOrder {
         self.found.vertices.len() == pattern.vertices() && self.kept.vertices() == pattern.vertices()
     }
 
-    /// True if the order is a valid permutation with its tree, as a value read from a file may not be.
+    /// False if the order is no valid permutation or its tree is invalid, as is possible for a value read from a file.
     pub fn is_sound(&self) -> bool {
         let count = self.found.vertices.len();
         self.found.is_sound() && self.kept.is_sound() && (self.kept.vertices() == 0 || self.kept.vertices() == count)

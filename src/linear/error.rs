@@ -11,7 +11,7 @@ pub enum LinearError {
     /// The matrix is singular up to round-off; `Factorization::near_null_vector` estimates a null vector.
     #[error("the matrix is singular")]
     Singular {
-        /// Vertex with the largest entries of the null vector, in units of its stiffness.
+        /// Vertex at which the null vector, scaled by the stiffness of each vertex, is largest.
         vertex: Option<u32>,
     },
     /// A value of the matrix or of the right-hand side is infinite or not a number.
@@ -20,10 +20,10 @@ pub enum LinearError {
     /// The solution does not satisfy the system.
     #[error("the linear solve left a relative residual of {residual:.1e}")]
     Inaccurate {
-        /// Largest residual over the largest right-hand side.
+        /// Largest residual component divided by the largest component of the right-hand side.
         residual: f64,
     },
-    /// The watch was interrupted.
+    /// The factorization was ended by the interrupt flag of its [`InterruptWatch`](super::InterruptWatch).
     #[error("the factorisation was interrupted")]
     Interrupted,
     /// There is not enough memory.

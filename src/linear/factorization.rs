@@ -27,24 +27,24 @@ use crate::math::tolerances;
 use crate::math::workers::Workers;
 
 /// Excess operations per nonzero block after which a new order is computed: several times the cost of a dissection, because on coarse
-/// meshes an order degrades within few steps and then remains.
+/// meshes an order degrades within few steps and its cost then stays constant.
 const DISSECTION: f64 = 1.5e5;
 
 /// Number of operations of a factorization above which several dissections are compared: tenths of a second.
 const WORTH_ALTERNATIVES: f64 = 2e9;
 
-/// Work, relative to that of one matrix's blocks, up to which blocks that became zero are kept: they often become nonzero again, and each
-/// new structure costs a third of a factorization.
+/// Operations of a factorization, relative to those with the blocks of one matrix only, up to which blocks that became zero stay in the
+/// structure: they often become nonzero again, and a new structure costs a third of a factorization.
 const WORTH_KEEPING: f64 = 1.1;
 
 /// Number of factorizations within which blocks that became zero usually become nonzero again: about the number in a step.
 const COME_BACK: usize = 4;
 
-/// Number of factorizations after which the structure is checked for blocks that became zero, even without new blocks: bodies have
-/// separated after contact.
+/// Number of factorizations after which the structure is searched for blocks that became zero, even if no new blocks appeared, for example
+/// because bodies have separated.
 const REVIEW: usize = 50;
 
-/// Number of right-hand sides that are substituted together: enough that factors are read from memory rarely.
+/// Number of right-hand sides that are substituted together, so that the factors are read from memory once for all of them.
 const TOGETHER: usize = 16;
 
 /// Largest number of iterative refinements. One restores full accuracy unless the factors are useless.
@@ -59,7 +59,7 @@ pub struct Factorization {
     restored: bool,
     pattern: Pattern,
     symbolic: Symbolic,
-    /// Ranges of values outside of the structure, which have been zero so far.
+    /// Ranges of matrix values outside of the structure of the factors; all of them have been zero so far.
     left_out: Vec<Range<u32>>,
     multifrontal: Multifrontal,
     /// Largest number of bytes reserved for a factorisation.
@@ -166,7 +166,7 @@ impl Factorization {
             }
         }
         if !reorder && present == *self.order.kept {
-            // Review without blocks that became zero.
+            // The review found no blocks that became zero.
             self.account.uses = 0;
             return Ok(());
         }
@@ -183,7 +183,7 @@ impl Factorization {
                 self.work.dissections += orders.len();
                 self.choose(&restricted, orders)?;
             }
-            // The first matrix often belongs to bodies without contact: the next structure gets a new order in any case.
+            // If the first matrix has no contacts yet, the next structure gets a new order in any case.
             self.account.wasted = if ordered { 0.0 } else { f64::INFINITY };
         }
         (self.order.least, self.account.uses) = (self.symbolic.operations, 0);
@@ -206,7 +206,7 @@ impl Factorization {
             }
         }
         if self.watch.is_interrupted() {
-            // The present structure belongs to an order that was not chosen.
+            // The structure was made for an order that was not chosen, so that it is marked as invalid.
             self.order.kept = Arc::default();
             return Err(LinearError::Interrupted);
         }
@@ -226,7 +226,7 @@ impl Factorization {
         self.multifrontal.reserve(&self.symbolic, &self.workers).map_err(|_| out_of_memory)
     }
 
-    /// Bytes of the factors, and of the updates of all threads.
+    /// Bytes of the factors, and of the update matrices of all threads.
     fn needed(&self) -> u64 {
         let (waiting, threads) = self.symbolic.waiting(&self.workers);
         (size_of::<f64>() * (self.symbolic.factors + waiting.handed + waiting.buffer + threads * waiting.of_task)) as u64
@@ -322,12 +322,12 @@ impl Factorization {
         if self.watch.is_interrupted() { Err(LinearError::Interrupted) } else { Ok(()) }
     }
 
-    /// Solves with the last factorised values, which are given again for the residual; `right` becomes the solution.
+    /// Solves with the last factorized values, which are given again for the residual; `right` becomes the solution.
     ///
-    /// Returns the backward error `|r| / (|A| |x| + |b|)` (Rigal and Gaches 1967) in largest components, all scaled, which makes `|A|` of
-    /// order one: 1 is taken for it. Near an equilibrium `b` is hardly more than round-off itself, so the residual is not measured by it.
-    /// A row with larger entries has more round-off. Where the backward error is large, the residual of every row is compared with its own
-    /// terms, `max_i |r_i| / max(sum_j |A_ij| |x_j| + |b_i|, |x|)` (Oettli and Prager 1964).
+    /// Returns the backward error `|r| / (|A| |x| + |b|)` (Rigal and Gaches 1967) in the maximum norm of the scaled system, with `|A| = 1`
+    /// since scaling makes its entries of order one. The residual is not measured by `|b|` alone, because near an equilibrium `b` is hardly
+    /// more than round-off. Rows with larger entries have more round-off: if the backward error is large, the residual of every row is
+    /// compared with the terms of this row, `max_i |r_i| / max(sum_j |A_ij| |x_j| + |b_i|, |x|)` (Oettli and Prager 1964).
     ///
     /// # Errors
     /// [`LinearError::Singular`], [`LinearError::NotFinite`], or [`LinearError::Inaccurate`] when the backward error stays above
@@ -358,7 +358,7 @@ impl Factorization {
         Ok(worst)
     }
 
-    /// Solves; `first` is the substituted right-hand side and the product of the matrix with it, if they are known.
+    /// Solves with refinement and checks. `first`, if known: the substituted right-hand side, and the product of the matrix with it.
     fn solve_from(&mut self, values: &[f64], right: &mut [f64], first: Option<(&[f64], &[f64])>) -> Result<f64, LinearError> {
         let size = self.scaled_size(right);
         if size == 0.0 {
@@ -387,7 +387,7 @@ impl Factorization {
         Ok(error)
     }
 
-    /// Estimated null vector after [`LinearError::Singular`], one number per unknown.
+    /// Estimated null vector after [`LinearError::Singular`], one component per unknown.
     pub fn near_null_vector(&self) -> Option<&[f64]> {
         self.null_vector.as_deref()
     }
@@ -449,7 +449,7 @@ impl Factorization {
         if error > tolerances::LINEAR_FALLBACK { self.error_by_rows(values, right) } else { error }
     }
 
-    /// Backward error of `solution`: residual of every row relative to the terms of that row, or to `|x|` if larger.
+    /// Backward error of `solution`: largest residual of a row relative to the sum of the magnitudes of its terms, or to `|x|` if larger.
     fn error_by_rows(&self, values: &[f64], right: &[f64]) -> f64 {
         let mut terms = vec![0.0; right.len()];
         self.pattern.multiply_sizes_into(values, &self.solution, &mut terms);
@@ -458,10 +458,10 @@ impl Factorization {
         largest(rows.map(|((r, terms), (b, scale))| r * scale / ((terms + b.abs()) * scale).max(least)))
     }
 
-    /// Distinguishes a singular matrix `A` from one with an unsuitable order, by the factors of `M`, which is `A` with replaced pivots.
+    /// Decides if the matrix `A` is singular or only has an unsuitable order, by the factors of `M`, the matrix with replaced pivots.
     ///
-    /// `M - A` is the product of the direction in which `A` lacks a pivot and a small row, so `z := M^-1 (M - A) z = z - M^-1 A z` is a
-    /// vector that `A` maps to zero, if there is one.
+    /// `M - A` is the product of the direction in which `A` lacks a pivot and a small row. If `A` has a null vector, the iteration `z :=
+    /// M^-1 (M - A) z = z - M^-1 A z` converges to it.
     fn refuse_singular(&mut self, values: &[f64]) -> Result<(), LinearError> {
         // Start vector with components in all directions.
         for (k, (x, scale)) in self.residual.iter_mut().zip(&self.scale).enumerate() {

@@ -3,7 +3,7 @@
 
 use super::{Pattern, Vertex};
 
-/// Numbers between -1/2 and 1/2 (xorshift).
+/// Reproducible pseudorandom numbers between -1/2 and 1/2 (xorshift).
 pub struct Noise(u64);
 
 impl Noise {
@@ -28,8 +28,8 @@ pub struct System {
     pub nodes: usize,
 }
 
-/// Saddle-point matrix: nodes with `D` unknowns coupled by cells, and a multiplier for each list of (node, weight), anchored at the first
-/// node. Entries are perturbed by up to half of `disturbance`, those of constraints by a hundredth.
+/// Saddle-point matrix: nodes with `D` unknowns coupled by cells, and a multiplier for each list of `(node, weight)`, anchored at the first
+/// node of the list. Matrix entries are perturbed by up to half of `disturbance`, constraint entries by a hundredth of that.
 pub fn saddle_point<const D: usize>(nodes: usize, cells: &[Vec<u32>], constraints: &[Vec<(u32, f64)>], disturbance: f64) -> System {
     let mut noise = Noise::default();
     let mut vertices = vec![Vertex::coordinates(D as u8); nodes];

@@ -23,13 +23,13 @@ pub(super) struct Front {
     pub(super) factors: usize,
     /// Range of the front's non-pivot unknowns in `rows`.
     pub(super) rows: Range<usize>,
-    /// Ranges in `runs` of the non-pivot unknowns' positions in the parent's front: pivots of the parent, then others.
+    /// Ranges in `runs` with the positions of the non-pivot unknowns in the parent's front: among its pivots, and among its other unknowns.
     pub(super) to_pivots: Range<usize>,
     pub(super) to_others: Range<usize>,
     pub(super) parent: Option<u32>,
-    /// Fronts whose updates are added, in ascending order.
+    /// Range of the child fronts, whose update matrices are added to this front, in ascending order.
     pub(super) children: Range<usize>,
-    /// Matrix entries in the pivot block and beside it.
+    /// Ranges of the matrix blocks inside the pivot block, and of those beside it.
     pub(super) inside: Range<usize>,
     pub(super) beside: Range<usize>,
 }
@@ -46,7 +46,7 @@ impl Front {
         2.0 / 3.0 * p * p * p + 2.0 * p * p * u + 2.0 * p * u * u
     }
 
-    /// Time of the front's elimination in units of an operation; assembling an entry costs about twenty.
+    /// Time of the front's elimination in units of one operation; assembling one entry costs about twenty.
     pub(super) fn work(&self) -> f64 {
         let side = (self.p + self.u) as f64;
         self.operations() + 20.0 * side * side
@@ -79,7 +79,7 @@ pub(super) struct OffDiagonalBlock {
 /// Unknowns of an update that are contiguous in the parent's front.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Run {
-    /// Place of the first unknown in the update.
+    /// Position of the run's first unknown in the child's update matrix.
     pub(super) source: u32,
     /// Position of the first unknown among the pivots or the non-pivot unknowns of the parent front.
     pub(super) target: u32,

@@ -32,11 +32,11 @@ impl SolverChoice {
     }
 }
 
-/// Number of unknowns in space from which [`SolverChoice::Auto`] iterates. Both take equal time at some ten thousand in a block
-/// (`docs/performance.md`); contact takes more iterations, and factors serve several active sets.
+/// Number of unknowns in space from which [`SolverChoice::Auto`] iterates. For an elastic block both solvers take equal time at some ten
+/// thousand unknowns (`docs/performance.md`); contact takes more iterations, and direct factors serve several active sets.
 pub const ITERATED: usize = 100_000;
 
-/// Number of matrices without convergence after which the iteration is no longer tried.
+/// Number of matrices without convergence after which the iterative solver is no longer tried.
 const PATIENCE: u32 = 3;
 
 /// Iterative solver with the direct solver as its fallback.
@@ -46,18 +46,19 @@ pub struct IterativeWithFallback {
     positions: Vec<f64>,
     iterative: Iterative,
     direct: Option<Box<Factorization>>,
-    /// State of the direct solver, kept for its creation.
+    /// State of the direct solver for the time at which it is created.
     kept: SolverMemory,
     taken_over: TakenOver,
     /// True if the direct solver has factorized the last matrix.
     is_direct: bool,
-    /// Work of freed direct solvers, and number of preconditioners made.
+    /// Work counters of freed direct solvers, and number of preconditioners made.
     done: Work,
     workers: Workers,
     watch: InterruptWatch,
 }
 
-/// Solver of a choice for matrices of a pattern; `positions`: coordinates of the leading vertices, as many as each has unknowns.
+/// Creates the solver of a choice for matrices of a pattern. `positions`: coordinates of the leading vertices, as many as each has
+/// unknowns.
 ///
 /// # Errors
 /// [`LinearError::OutOfMemory`].
@@ -84,7 +85,7 @@ pub fn solver_of(
         watch: InterruptWatch::default(),
     };
     solver.analyse(pattern)?;
-    // The elimination order of the first pattern belongs to the memory from the start on.
+    // A direct solver determines its elimination order now, so that the solver memory contains it from the start.
     if !solver.iterates() {
         solver.direct()?;
     }
@@ -92,7 +93,7 @@ pub fn solver_of(
 }
 
 impl IterativeWithFallback {
-    /// True if the next matrix is tried by iteration.
+    /// True if the next matrix is to be solved by iteration.
     fn iterates(&self) -> bool {
         let is_large = || self.pattern.unknowns() >= ITERATED && self.pattern.size(0) == 3;
         self.taken_over.unconverged < PATIENCE && (self.choice == SolverChoice::Iterative || is_large())
@@ -120,7 +121,7 @@ impl IterativeWithFallback {
         }
     }
 
-    /// Factorizes by the direct solver.
+    /// Factorizes a matrix by the direct solver in place of the iterative one.
     fn take_over(&mut self, values: &[f64]) -> Result<(), LinearError> {
         self.iterative.clear();
         self.is_direct = true;

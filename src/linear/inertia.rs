@@ -40,7 +40,7 @@ fn negative_of_block(factors: &[f64], p: usize, exchanged: &[u32]) -> usize {
         std::cmp::Ordering::Equal => 1.0,
         std::cmp::Ordering::Greater => factors[k * p + i],
     });
-    // Pivots are kept as their reciprocals.
+    // The factors contain the reciprocals of the pivots.
     let upper = DMatrix::from_fn(size, size, |i, k| match i.cmp(&k) {
         std::cmp::Ordering::Less => factors[k * p + i],
         std::cmp::Ordering::Equal => 1.0 / factors[k * p + i],

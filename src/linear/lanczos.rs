@@ -1,9 +1,10 @@
-//! Lanczos' method for eigenvalues of largest size of an operator that is symmetric in an inner product, with full reorthogonalization.
+//! Lanczos' method for the eigenvalues of largest magnitude of an operator that is symmetric in an inner product, with full
+//! reorthogonalization.
 //!
-//! For `K x = lambda M x` the operator is `(K - sigma M)^-1 M`, symmetric in the product `x^T M y`, and its eigenvalues are
-//! `theta = 1/(lambda - sigma)`: those next to the shift are found first and well separated (Ericsson and Ruhe, Math. Comp. 35, 1980).
-//! Vectors are begun in blocks, because one vector alone finds one of each multiple eigenvalue. A caller that finds eigenvalues missing
-//! restarts the iteration with a further vector in the existing space.
+//! For `K x = lambda M x` the operator is `(K - sigma M)^-1 M`, symmetric in the product `x^T M y`, and its eigenvalues are `theta =
+//! 1/(lambda - sigma)`: those next to the shift are found first and well separated (Ericsson and Ruhe, Math. Comp. 35, 1980). The iteration
+//! starts from a block of vectors, because a single vector finds only one vector of each multiple eigenvalue. A caller that finds
+//! eigenvalues missing restarts the iteration with a further vector in the existing space.
 
 use nalgebra::DMatrix;
 
@@ -14,7 +15,7 @@ const PASSES: usize = 2;
 
 /// Operator of the Lanczos iteration.
 pub trait Operator {
-    /// Error of a solve.
+    /// Error of the linear solver.
     type Error;
 
     /// Solves with the shifted matrix: `(K - sigma M)^-1 image`.
@@ -32,14 +33,14 @@ pub trait Operator {
     }
 }
 
-/// An eigenvalue of the projected operator.
+/// Ritz pair: eigenvalue and eigenvector of the operator projected on the basis.
 #[derive(Clone, Debug)]
 pub struct Ritz {
-    /// The eigenvalue.
+    /// Ritz value `theta`.
     pub theta: f64,
-    /// Norm of the residual of the vector, in the operator's product.
+    /// Residual norm of the Ritz vector, in the operator's inner product.
     pub residual: f64,
-    /// The vector in the basis.
+    /// Components of the Ritz vector in the Lanczos basis.
     pub coefficients: Vec<f64>,
 }
 
@@ -92,7 +93,7 @@ impl Lanczos {
         self.applied() == self.vectors.len()
     }
 
-    /// Components of the images of all processed vectors along the next unprocessed basis vector; 0 without one.
+    /// Components of the operator's images of all processed vectors along the next, unprocessed basis vector; 0 if there is none.
     pub fn coupling(&self) -> Vec<f64> {
         let next = self.applied();
         self.projected.iter().map(|along| along.get(next).copied().unwrap_or(0.0)).collect()
@@ -104,7 +105,7 @@ impl Lanczos {
         self.vectors
     }
 
-    /// Adds a vector of arbitrary direction as a start of the iteration.
+    /// Adds a pseudorandom start vector, after one application of the operator.
     ///
     /// # Errors
     /// Error of the operator.
@@ -115,7 +116,7 @@ impl Lanczos {
         Ok(())
     }
 
-    /// Reproducible pseudorandom numbers between -1 and 1 (xorshift; Marsaglia 2003).
+    /// Reproducible pseudorandom number between -1 and 1 (xorshift; Marsaglia 2003).
     fn next_random(&mut self) -> f64 {
         self.random ^= self.random << 13;
         self.random ^= self.random >> 7;
@@ -145,7 +146,7 @@ impl Lanczos {
         along
     }
 
-    /// Eigenvalues of the projection, the largest first.
+    /// Ritz pairs of the projection, the largest eigenvalue first.
     pub fn ritz(&self) -> Vec<Ritz> {
         let size = self.applied();
         if size == 0 {

@@ -1,4 +1,4 @@
-//! Matrices whose fronts are large: eliminated in blocks of pivots, their order chosen among several, their updates waiting on one buffer.
+//! Tests with large fronts: elimination in blocks of pivots, choice among several orders, and update matrices of tasks in one buffer.
 
 use super::factorization::Factorization;
 use super::fixtures::{Noise, System, saddle_point};
@@ -7,7 +7,7 @@ use super::symbolic::Symbolic;
 use super::watch::InterruptWatch;
 use crate::math::workers::Workers;
 
-/// Two dense fronts of `own` nodes, coupled with `shared` others that make a third one.
+/// Matrix with two dense fronts of `own` nodes each, both coupled with `shared` further nodes, which form a third front.
 fn fronts(own: u32, shared: u32) -> System {
     let others = 2 * own..2 * own + shared;
     let cells = [0..own, own..2 * own].map(|nodes| nodes.chain(others.clone()).collect());
@@ -25,7 +25,7 @@ fn cube(n: usize) -> System {
     saddle_point::<3>((n + 1).pow(3), &cells, &[], 0.01)
 }
 
-/// Accuracy with row exchanges, and with sides that are no multiples of blocks and strips.
+/// Accuracy with row exchanges, and for front sizes that are no multiples of blocks and strips.
 #[test]
 fn fronts_of_many_blocks_are_solved_to_round_off_by_any_number_of_threads() {
     for (own, shared, is_random) in [(66, 30, false), (131, 0, true), (100, 66, true), (64, 129, true), (171, 11, false)] {
@@ -53,12 +53,13 @@ fn fronts_of_many_blocks_are_solved_to_round_off_by_any_number_of_threads() {
         });
         assert_eq!(solutions[0], solutions[1]);
         let error = solutions[0].iter().zip(&exact).map(|(x, exact)| (x - exact).abs()).fold(0.0, f64::max);
-        // Pivoting inside fronts lets the factors of a random matrix grow.
+        // Pivoting inside fronts only lets the factors of a random matrix grow.
         assert!(error < if is_random { 1e-7 } else { 1e-12 }, "{own} {shared}: {error}");
     }
 }
 
-/// The first dissection of this cube takes 12.0 Gflop, other seeds 7.5 to 10.7; peak 1.75 times the factors with a buffer for each task.
+/// Cube of hexahedra: the first dissection takes 12.0 Gflop, other seeds 7.5 to 10.7. Peak memory would be 1.75 times the factors with a
+/// separate buffer for each task.
 #[test]
 fn the_best_of_several_orders_is_taken_and_little_waits() {
     let System { pattern, values, .. } = cube(16);

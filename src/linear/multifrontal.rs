@@ -25,10 +25,10 @@ use crate::math::workers::Workers;
 /// Buffers of one thread for the elimination of fronts.
 #[derive(Debug, Default)]
 struct Scratch {
-    /// Stacks of update matrices until the assembly of the parent fronts.
+    /// Buffer for the stacks of update matrices that are not yet assembled into parent fronts.
     waiting: AlignedBuffer,
     dense: panels::Scratch,
-    /// A vector at a front.
+    /// Components of a vector at the unknowns of one front.
     at_front: AlignedBuffer,
 }
 
@@ -38,28 +38,28 @@ pub(super) struct Multifrontal {
     factors: AlignedBuffer,
     /// For each pivot, the row of its front that was exchanged with it.
     swaps: Vec<u32>,
-    /// Update matrices handed over by subtrees.
+    /// Update matrices of the last fronts of subtrees (tasks), assembled into the fronts above.
     handed: AlignedBuffer,
     /// Buffers of each thread.
     scratch: Vec<Mutex<Scratch>>,
-    /// Positions in the order of elimination with replaced pivots.
+    /// Positions in the order of elimination whose pivots were replaced.
     replaced: Vec<u32>,
-    /// Vectors in the order of elimination, and their parts exchanged between subtrees and the fronts above.
+    /// Vectors in the order of elimination; `outside`: components exchanged between subtrees and the fronts above.
     ordered: Vec<f64>,
     outside: Vec<f64>,
 }
 
-/// Consecutive fronts and the output of their elimination.
+/// Consecutive fronts, with the slices that receive their factors, row exchanges and update matrix.
 struct Segment<'a, 'u> {
     fronts: Range<usize>,
     factors: &'a mut [f64],
     swaps: &'a mut [u32],
-    /// Update matrix of the last front, if it is handed over.
+    /// Update matrix of the last front, if another task assembles it.
     update: &'u mut [f64],
     replaced: Vec<u32>,
 }
 
-/// Output of all fronts that is not yet assigned to segments.
+/// Factors and row exchanges of all fronts, from which slices are split off for segments.
 struct Whole<'a> {
     symbolic: &'a Symbolic,
     factors: &'a mut [f64],
@@ -89,7 +89,7 @@ impl Multifrontal {
         self.handed.resize(waiting.handed)?;
         self.swaps.resize(symbolic.unknowns.len(), 0);
         self.scratch.resize_with(threads, Mutex::default);
-        // The first buffer is also used for the fronts above the tasks.
+        // The first buffer also serves the fronts above the tasks.
         let lengths = std::iter::once(waiting.buffer.max(waiting.of_task)).chain(std::iter::repeat(waiting.of_task));
         for (scratch, length) in self.scratch.iter_mut().filter_map(|scratch| scratch.get_mut().ok()).zip(lengths) {
             scratch.waiting.resize(length)?;
@@ -118,7 +118,7 @@ impl Multifrontal {
         above.push(whole.split_off(done..symbolic.fronts.len(), &mut []));
         let operations = AtomicU64::new(0);
         let eliminate = |segment: &mut Segment<'_, '_>, handed: &[f64], workers: &Workers| {
-            // One buffer per thread: one is always free.
+            // There are as many buffers as threads, so that one is always free.
             let Some(mut scratch) = scratch.iter().find_map(|scratch| scratch.try_lock().ok()) else { return };
             with_registers(Elimination {
                 symbolic,
@@ -150,12 +150,13 @@ impl Multifrontal {
         (self.factors.all(), &self.swaps)
     }
 
-    /// Positions in the order of elimination without a usable pivot.
+    /// Positions in the order of elimination whose pivots were unusable and replaced.
     pub(super) fn replaced(&self) -> &[u32] {
         &self.replaced
     }
 
-    /// `x := A^-1 x`, with one scale per unknown, for vectors `x` one after another. Every vector gets the same numbers as alone.
+    /// `x := A^-1 x`, with one scale per unknown, for several vectors in sequence. The result for each vector is bitwise independent of the
+    /// others.
     pub(super) fn solve(&mut self, symbolic: &Symbolic, scale: &[f64], x: &mut [f64], workers: &Workers) {
         let Multifrontal { factors, swaps, ordered, outside, scratch, .. } = self;
         let (factors, fronts, unknowns) = (factors.all(), symbolic.fronts.len(), symbolic.unknowns.len());

@@ -28,10 +28,10 @@ const SMALLEST_PART: u32 = 25;
 /// no further gain.
 const ALTERNATIVES: [(f64, u64); 4] = [(0.1, 2), (0.1, 4), (0.05, 1), (0.05, 4)];
 
-/// Number of couplings above which the dissection of a graph is interruptible: some hundredths of a second.
+/// Number of graph edges above which a dissection is interruptible: some hundredths of a second.
 const LONG: usize = 50_000;
 
-/// Longest delay of the reaction to an interrupt.
+/// Longest reaction time to an interrupt.
 const PATIENCE: Duration = Duration::from_millis(20);
 
 /// Candidate orders of the vertices, in which multipliers may still precede their anchors; empty after an interrupt.
@@ -87,9 +87,9 @@ impl Graph {
         Some(order.into_iter().map(|v| v as u32).collect())
     }
 
-    /// Nested dissection into small parts with minimum degree in these; `None` after an interrupt.
+    /// Nested dissection into small parts, each ordered by minimum degree; `None` after an interrupt.
     ///
-    /// The crate cannot be stopped, so a long dissection runs on a thread of its own, which is abandoned after an interrupt.
+    /// The crate cannot be stopped, so a long dissection runs on a separate thread, which is abandoned after an interrupt.
     fn watched_dissection(self: Arc<Self>, options: &MetisOptions, watch: &InterruptWatch) -> Option<Vec<u32>> {
         if watch.interrupt.is_none() || self.neighbors.len() < LONG {
             return self.dissection(options);
@@ -115,9 +115,9 @@ impl Graph {
 pub(super) struct Order {
     /// Vertices in the order of elimination.
     pub(super) vertices: Vec<u32>,
-    /// Parent at each place, or `u32::MAX`.
+    /// Parent of each position in the elimination tree, `u32::MAX` for a root.
     parents: Vec<u32>,
-    /// Range of postorder numbers of the descendants of each position, which is the last of them.
+    /// Range of postorder numbers of the subtree of each position; the position itself is the last one of its range.
     families: Vec<[u32; 2]>,
 }
 
@@ -136,7 +136,7 @@ impl Order {
                 sizes[parents[k] as usize] += sizes[k];
             }
         }
-        // Parents follow their children in the order: from the last vertex on, each family gets its range within that of its parent.
+        // Parents follow their children in the order. From the last position on, each subtree gets its range within that of its parent.
         let mut families = vec![[0; 2]; count];
         let mut roots_end = count as u32;
         let mut free_end: Vec<u32> = vec![0; count];
@@ -167,11 +167,11 @@ impl Order {
         (first..=last).contains(&own)
     }
 
-    /// Returns this order with as few changes as make it suitable for a pattern with some other couplings.
+    /// Returns this order with a minimal change for a pattern with other couplings.
     ///
-    /// Sliding surfaces couple vertices in separate branches of the tree. In the old order one of two such vertices would be carried
-    /// through all fronts up to the common ancestor of the branches, and join the branches. So one of the two moves up to that place and
-    /// becomes a part of the separator.
+    /// Sliding surfaces couple vertices in separate branches of the elimination tree. In the old order one of two such vertices would
+    /// remain in all fronts up to the common ancestor of the branches and couple the branches. One of the two is therefore moved to the
+    /// position of this ancestor and becomes part of the separator.
     pub(super) fn repaired(&self, pattern: &Pattern) -> Vec<u32> {
         let count = self.vertices.len();
         let mut place = vec![0u32; count];
@@ -182,9 +182,9 @@ impl Order {
         for node in (0..count).filter_map(|v| pattern.anchor(v)) {
             is_anchor[node as usize] = true;
         }
-        // Preference for a move: nodes that anchor no multiplier, then multipliers, then anchors.
+        // Preferred vertices for a move: first nodes that anchor no multiplier, then multipliers, then anchors.
         let rank = |v: u32| if pattern.is_multiplier(v as usize) { 1 } else { 2 * u8::from(is_anchor[v as usize]) };
-        // Target position of each vertex, before the vertex there; 0 for vertices that stay.
+        // Position to which each vertex is moved, in front of the vertex there; 0 for vertices that stay.
         let mut targets = vec![0u32; count];
         for (k, &v) in self.vertices.iter().enumerate() {
             let k = k as u32;
@@ -218,15 +218,15 @@ impl Order {
 
 const NONE: u32 = u32::MAX;
 
-/// Returns the order of elimination: every multiplier that precedes its anchor moves behind it, or behind all its neighbors without an
-/// anchor.
+/// Returns the order of elimination: every multiplier that precedes its anchor moves behind the anchor, and a multiplier
+/// without an anchor behind the last of its neighbors that are no multipliers.
 pub(super) fn anchored(pattern: &Pattern, order: &[u32]) -> Vec<u32> {
     let count = pattern.vertices();
     let mut place = vec![0u32; count];
     for (k, &v) in order.iter().enumerate() {
         place[v as usize] = k as u32;
     }
-    // The multipliers that follow each vertex, as linked lists.
+    // Linked lists of the multipliers that are moved behind each vertex.
     let (mut first, mut next, mut moved) = (vec![u32::MAX; count], vec![u32::MAX; count], vec![false; count]);
     for &v in order.iter().rev().filter(|&&v| pattern.is_multiplier(v as usize)) {
         let neighbors = pattern.neighbors(v as usize);

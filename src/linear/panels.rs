@@ -31,17 +31,18 @@ pub(super) struct Blocks<'a> {
     pub(super) lower: &'a mut [f64],
     /// Columns to the right, transposed, `u x p`.
     pub(super) upper: &'a mut [f64],
-    /// Remainder, which becomes the update, `u x u`.
+    /// Remaining block of the non-pivot unknowns, `u x u`, which becomes the update matrix (Schur complement).
     pub(super) rest: &'a mut [f64],
 }
 
 /// Buffers for copies of frequently read factors.
 #[derive(Debug, Default)]
 pub(super) struct Scratch {
-    /// Four columns of the upper factor above each diagonal 4 x 4 block, row by row; four rows of the lower factor likewise.
+    /// Four columns of the upper factor above each diagonal 4 x 4 block, stored by rows; likewise four rows of the lower factor.
     pub(super) upper_rows: Vec<[f64; WIDTH]>,
     pub(super) lower_rows: Vec<[f64; WIDTH]>,
-    /// Strips of a block of pivots: rows below the pivot block, columns to its right, and rows and columns inside it.
+    /// Strips of a block of pivots: rows below and columns to the right of the pivot block; `below` and `right`: rows and columns inside of
+    /// the pivot block.
     pub(super) lower: Vec<f64>,
     pub(super) upper: Vec<f64>,
     pub(super) below: Vec<f64>,

@@ -11,9 +11,9 @@ use serde::{Deserialize, Serialize};
 /// Role of the unknowns of a vertex.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
-    /// Coordinates of a node or a director, or other unknowns with their own inertia or stiffness on the diagonal.
+    /// Coordinates of a node or director, or other unknowns with inertia or stiffness on the diagonal.
     Coordinates,
-    /// Coordinates of a massless node that anchored constraints express by other coordinates.
+    /// Coordinates of a massless node, which anchored constraints express by the coordinates of other vertices.
     Carried,
     /// Multipliers of one group of constraints; their diagonal block may be zero.
     Multipliers,
@@ -79,7 +79,7 @@ pub struct Block {
 const NO_PLACE: u32 = u32::MAX;
 
 impl Block {
-    /// A block of zeros, which has no place.
+    /// Marker of a zero block, which has no position among the values.
     pub(super) const NOWHERE: Block = Block { start: u32::MAX, stride: 0 };
 
     /// Place of entry `(row, column)` of the block.
@@ -94,7 +94,7 @@ impl Pattern {
     pub fn new<'a>(vertices: &[Vertex], cliques: impl Iterator<Item = &'a [u32]> + Clone) -> Self {
         let count = vertices.len();
         let size = |v: usize| vertices[v].size as usize;
-        // Neighbors with repetitions by counting, then sorted and made unique vertex by vertex.
+        // Neighbor lists with repetitions by counting sort, then sorted and made unique for each vertex.
         let mut starts = vec![0usize; count + 1];
         for v in 0..count {
             starts[v + 1] = 1;
@@ -169,9 +169,9 @@ impl Pattern {
         self
     }
 
-    /// Returns a pattern of these vertices with other couplings; common blocks keep their places among the values.
+    /// Returns a pattern of the same vertices with the given couplings; blocks of common couplings keep their positions among the values.
     ///
-    /// Blocks of dropped couplings lose their place; couplings that this pattern lacks get [`NO_PLACE`].
+    /// Blocks of dropped couplings have no position any more; couplings that this pattern lacks get [`NO_PLACE`].
     pub(super) fn restricted(&self, couplings: &Couplings) -> Self {
         let mut offsets = Vec::with_capacity(couplings.neighbors.len());
         for v in 0..self.vertices() {
@@ -190,7 +190,7 @@ impl Pattern {
     /// Couplings with a nonzero value in the block or its transposed counterpart; a vertex is always coupled with itself.
     pub(super) fn present(&self, values: &[f64]) -> Couplings {
         let mut present = vec![false; self.neighbors.len()];
-        // Vertices are visited in ascending order: each is the next entry in the sorted list of its neighbor.
+        // Since vertices are visited in ascending order, each one is the next unvisited entry in the sorted list of its neighbor.
         let mut next: Vec<usize> = self.starts[..self.vertices()].to_vec();
         for v in 0..self.vertices() {
             for (k, block) in (self.starts[v]..self.starts[v + 1]).zip(self.column_blocks(v)) {
@@ -336,7 +336,7 @@ impl Pattern {
         (0..self.lengths.len()).take_while(|&v| self.first[v] < x.len()).for_each(|v| self.add_vertex(v, values, x, y));
     }
 
-    /// `y = A x` for vectors of all unknowns, one after another; every vector gets the same numbers as alone.
+    /// `y = A x` for several vectors in sequence; the result for each vector is bitwise independent of the others.
     pub(super) fn multiply_each_into(&self, values: &[f64], x: &[f64], y: &mut [f64]) {
         let unknowns = self.unknowns().max(1);
         y.fill(0.0);
@@ -417,8 +417,8 @@ impl Pattern {
     }
 }
 
-/// Couplings of a graph's vertices, every pair from both sides and each vertex with itself. Couplings are identified by vertices,
-/// independent of a pattern.
+/// Set of couplings between vertices: each pair is listed for both vertices, and each vertex is coupled with itself. Couplings refer to
+/// vertices, independent of a pattern.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Couplings {
     /// Range of each vertex's neighbors in `neighbors`.

@@ -6,25 +6,25 @@ use super::fronts::{Front, Numbering, OffDiagonalBlock, PivotBlock, Run};
 use super::pattern::{Block, Pattern};
 use super::tree::{NONE, Tree};
 
-/// Lists of positions, of which each front has ranges.
+/// Positions of matrix blocks and update matrices in the fronts: lists of which each front owns a range.
 #[derive(Debug, Default)]
 pub(super) struct Places {
-    /// Unknowns of the updates, as positions in the order of elimination.
+    /// Non-pivot unknowns of all fronts, as positions in the order of elimination.
     pub(super) rows: Vec<u32>,
     pub(super) runs: Vec<Run>,
     pub(super) inside: Vec<PivotBlock>,
     pub(super) beside: Vec<OffDiagonalBlock>,
 }
 
-/// Data for finding positions. Vertices are positions in the order, as in the tree.
+/// Working data for the search of positions. Vertices are numbered by their position in the order of elimination, as in the tree.
 struct Finder<'a> {
     pattern: &'a Pattern,
     order: &'a [u32],
     numbering: &'a Numbering,
     updates: Updates,
-    /// Place in the order of each vertex of the pattern.
+    /// Position of each vertex of the pattern in the order of elimination.
     place_in_order: Vec<u32>,
-    /// For every vertex `v` and each of its neighbors `u`, the block in row `v` and column `u`; start of each vertex's blocks.
+    /// For every vertex `v` and each of its neighbors `u`, the block in row `v` and column `u`; `entry_starts`: first entry of each vertex.
     mirrored: Vec<Block>,
     entry_starts: Vec<usize>,
     /// Position of each vertex in the present front.
@@ -105,7 +105,7 @@ impl Finder<'_> {
         start..rows.len()
     }
 
-    /// Finds the runs of a child's update in the numbered front: among its pivots, and among its other unknowns.
+    /// Finds contiguous runs of a child's update in the numbered parent front: among its pivots, and among its other unknowns.
     fn find_runs(&self, child: usize, pivots: usize, runs: &mut Vec<Run>) -> [Range<usize>; 2] {
         let (mut source, mut end) = (0, NONE);
         let first_run = runs.len();
@@ -153,7 +153,7 @@ impl Finder<'_> {
     }
 }
 
-/// Non-pivot vertices of all fronts, those of each front in the order of elimination.
+/// Non-pivot vertices of all fronts; the vertices of each front are in the order of elimination.
 struct Updates {
     vertices: Vec<u32>,
     starts: Vec<u32>,
@@ -161,7 +161,7 @@ struct Updates {
 }
 
 impl Updates {
-    /// Sorts all lists at once: fronts per vertex, then vertices per front.
+    /// Sorts all lists at once by counting: fronts of each vertex, then vertices of each front.
     fn sorted(count: usize, tree: &Tree, numbering: &Numbering) -> Self {
         let structures = || numbering.roots.iter().map(|&root| &tree.structure[tree.range(root)]);
         let mut starts = vec![0u32; count + 1];
@@ -209,7 +209,7 @@ fn mirrored_blocks(pattern: &Pattern) -> Vec<Block> {
         next.push(total);
         total += pattern.neighbors(v).len();
     }
-    // Vertices are visited in ascending order: each is the next entry in the sorted list of its neighbor.
+    // Since vertices are visited in ascending order, each one is the next unvisited entry in the sorted list of its neighbor.
     let mut mirrored = Vec::with_capacity(total);
     for v in 0..count {
         for &u in pattern.neighbors(v) {

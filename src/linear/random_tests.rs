@@ -1,4 +1,4 @@
-//! Random saddle points: nodes, directors and scalars of any size, groups of constraints of any number of rows.
+//! Random saddle-point matrices: nodes, directors and scalars of any size, and groups of several constraints.
 
 use std::collections::BTreeSet;
 
@@ -12,7 +12,7 @@ use super::symbolic::Symbolic;
 use super::{Block, Factorization, InterruptWatch, LinearError, Pattern, Role, Vertex};
 use crate::math::workers::Workers;
 
-/// Largest ratio of singular values of a matrix, scaled to entries of order one, whose solution is compared.
+/// Largest condition number of the scaled matrix for which the solution is compared.
 const CONDITION: f64 = 1e7;
 
 /// A graph: number of coordinates of each vertex, cells as lists of vertices, and groups of constraints, each with the number of
@@ -116,10 +116,10 @@ proptest! {
         }
         let found = (0..pattern.vertices() as u32).flat_map(|v| pattern.neighbors(v as usize).iter().map(move |&u| (u, v)));
         prop_assert_eq!(found.collect::<BTreeSet<_>>(), pairs);
-        // Values and positions correspond one to one.
+        // Every value corresponds to exactly one matrix position.
         let (.., places) = pattern.compressed_columns();
         prop_assert!(places.into_iter().eq((0..pattern.values()).map(Some)));
-        // Exactly the zero blocks are outside of the structure.
+        // Zero blocks, and no others, are left out of the structure.
         let mut values = graph.values(&pattern);
         for v in 0..pattern.vertices() as u32 {
             for &u in pattern.neighbors(v as usize).iter().filter(|&&u| u != v && (u + v) % 3 == 0) {
@@ -171,7 +171,7 @@ proptest! {
             (1.0 + 0.7 * k as f64).sin() * if is_multiplier { graph.stiffness } else { 1.0 }
         });
         let mut right: Vec<f64> = (&matrix * &x).iter().copied().collect();
-        // Scaled as by a change of units: coordinates stay, multipliers are forces over stiffness.
+        // Scaled like a change of units: coordinates unchanged, multipliers as forces divided by a stiffness.
         let root = graph.stiffness.sqrt();
         let scale = |k: usize| if pattern.is_multiplier(pattern.vertex_of(k)) { root } else { root.recip() };
         let scaled = DMatrix::from_fn(x.len(), x.len(), |i, k| scale(i) * matrix[(i, k)] * scale(k));
@@ -186,7 +186,7 @@ proptest! {
                 prop_assert!(error <= 1e-13 * CONDITION * size, "error {error:e} of {size:e}, {:e}", singular.max() / singular.min());
             }
             Err(error) if is_good => prop_assert!(false, "{error} at {:e}", singular.max() / singular.min()),
-            // A nearly singular matrix may be refused.
+            // A nearly singular matrix may be refused or solved.
             Ok(_) | Err(LinearError::Singular { .. } | LinearError::Inaccurate { .. }) => {}
             Err(error) => prop_assert!(false, "{error}"),
         }

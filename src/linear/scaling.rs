@@ -39,7 +39,7 @@ pub(super) fn all_finite(values: &[f64]) -> bool {
     sums.iter().sum::<f64>() + rest.iter().map(|x| 0.0 * x).sum::<f64>() == 0.0
 }
 
-/// Scale of every vertex: brings the diagonal block of a node, and the constraint of a multiplier, to entries of order one.
+/// Scale of every vertex: makes entries of the diagonal block of a node, and of the constraint of a multiplier, of order one.
 pub(super) fn vertex_scales(pattern: &Pattern, values: &[f64], scales: &mut [f64]) {
     let own_block = |v: usize| {
         let (block, size) = (pattern.block(v as u32, v as u32), pattern.size(v));
@@ -48,8 +48,8 @@ pub(super) fn vertex_scales(pattern: &Pattern, values: &[f64], scales: &mut [f64
     for v in (0..pattern.vertices()).filter(|&v| !pattern.is_multiplier(v)) {
         scales[v] = reciprocal_root(own_block(v));
     }
-    // A carried node is scaled as the nodes that carry it, so that its other constraints have responses of order one. Without that,
-    // pivots in the rows of contacts between rigid bodies are 1e-12 in small steps.
+    // A carried node gets the scale of the nodes that carry it, so that its other constraints have responses of order one. Otherwise pivots
+    // in the rows of contacts between rigid bodies would be 1e-12 in small steps.
     for v in (0..pattern.vertices()).filter(|&v| pattern.is_carried(v)) {
         let rows = pattern.neighbors(v).iter().filter(|&&u| pattern.anchor(u as usize) == Some(v as u32));
         let others = rows.flat_map(|&u| pattern.neighbors(u as usize)).map(|&w| w as usize);

@@ -30,16 +30,16 @@ pub struct TakenOver {
     pub is_unsuited: bool,
 }
 
-/// Number of substitutions of the direct solver that are tried before a factorization.
+/// Number of substitutions that cost about as much as one factorization, for direct solvers.
 pub(super) const SUBSTITUTIONS: usize = 64;
 
 impl SolverMemory {
-    /// Size of the data in bytes that is not shared with `before`.
+    /// Bytes of the data that is not shared with the earlier value `before`.
     pub fn size(&self, before: Option<&Self>) -> usize {
         self.order.as_ref().map_or(0, |order| order.size(before.and_then(|before| before.order.as_ref())))
     }
 
-    /// True if all indices are consistent, as those of a value read from a file may not be.
+    /// False if indices are inconsistent, as is possible for a value read from a file.
     pub fn is_sound(&self) -> bool {
         self.order.as_ref().is_none_or(EliminationOrder::is_sound)
     }
@@ -78,7 +78,7 @@ pub trait LinearSolver: Send {
     /// The matrix is singular, or a solution is not accurate.
     fn solve(&mut self, values: &[f64], rights: &mut [f64]) -> Result<f64, LinearError>;
 
-    /// Number of right-hand sides whose solution costs about as much as another factorization with one.
+    /// Number of right-hand sides whose solution costs about as much as another factorization and the solution of one.
     fn substitutions_for_a_factorization(&self) -> usize {
         SUBSTITUTIONS
     }

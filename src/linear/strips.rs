@@ -1,4 +1,4 @@
-//! Operations on strips: a few rows or columns of a front's blocks, processed independently by threads.
+//! Operations on strips: a few rows or columns of a front's blocks, which threads process independently.
 
 use std::ops::Range;
 
@@ -13,7 +13,7 @@ pub(super) const STRIP: usize = 2 * WIDTH;
 /// Number of columns of a pivot block factored before the remaining columns are updated.
 pub(super) const PANEL: usize = 64;
 
-/// Number of terms of a sum, and of pivots per block of a large front: strips of this length fit into a fast cache.
+/// Number of terms of a sum, and of pivots per block of a large front; strips of this length fit into a fast cache.
 pub(super) const DEPTH: usize = 192;
 
 /// Number of columns updated together: their strips fit into a second-level cache.
@@ -28,7 +28,7 @@ pub(super) fn pack_rows(columns: &[f64], height: usize, first: usize, strips: &m
     }
 }
 
-/// Copies some rows of columns, strip of columns by strip.
+/// Copies a range of rows of the columns, one strip of columns after another.
 pub(super) fn pack_columns(columns: &[f64], height: usize, rows: Range<usize>, strips: &mut Vec<f64>) {
     strips.clear();
     for columns in columns.chunks(STRIP * height) {
@@ -38,8 +38,8 @@ pub(super) fn pack_columns(columns: &[f64], height: usize, rows: Range<usize>, s
     }
 }
 
-/// Forward substitution of rows `i..i + 4` of four columns with the unit lower factor whose columns start at number `from`; `rows` are the
-/// solved rows above. Returns the rows.
+/// Forward substitution of rows `i..i + 4` of four columns with the unit lower factor, whose columns start at index `from`. `rows` contains
+/// the solved rows above. Returns the four rows.
 #[inline(always)]
 pub(super) fn substitute_four<'r, S: Simd>(
     simd: S,
@@ -72,7 +72,7 @@ pub(super) fn substitute_four<'r, S: Simd>(
 pub(super) struct SolveStrip<'a, const UNIT: bool> {
     pub(super) source: &'a [f64],
     pub(super) stride: usize,
-    /// Diagonal block with columns of length `p`, and its size.
+    /// Diagonal block, whose columns have length `p`; `depth`: its size.
     pub(super) diagonal: &'a [f64],
     pub(super) p: usize,
     pub(super) depth: usize,
@@ -99,7 +99,7 @@ impl<const UNIT: bool> WithSimd for SolveStrip<'_, UNIT> {
 
 /// Subtracts the product of row strips and column strips from some columns, below row `first`.
 pub(super) struct SubtractProducts<'a> {
-    /// All row strips, and the strips of these columns.
+    /// All row strips, and the strips of the columns to be updated.
     pub(super) rows: &'a [f64],
     pub(super) right: &'a [f64],
     pub(super) columns: &'a mut [f64],
@@ -168,7 +168,7 @@ impl WithSimd for SolvePanel<'_> {
     }
 }
 
-/// Updates a few columns of the pivot block by a panel to their left.
+/// Updates a few columns of the pivot block by the factored panel to their left.
 pub(super) struct UpdatePanel<'a> {
     /// Columns of the panel, and its rows from `to` on in strips.
     pub(super) left: &'a [f64],
@@ -199,8 +199,8 @@ impl WithSimd for UpdatePanel<'_> {
     }
 }
 
-/// `X := X T^-1` for `4 * M` rows, with `T` the upper factor or (`UNIT`) the transposed lower factor of a block on the diagonal, of side
-/// `depth` in columns of length `p`, whose rows are given as the factorisation leaves them.
+/// Solves `X := X T^-1` for `4 * M` rows. `T` is the upper factor of a diagonal block, or if `UNIT` its transposed unit lower factor; it
+/// has the size `depth`, columns of length `p`, and the row order of the factorization.
 #[inline(always)]
 pub(super) fn solve_strip<S: Simd, const M: usize, const UNIT: bool, const STRIDED: bool>(
     simd: S,
@@ -221,7 +221,7 @@ pub(super) fn solve_strip<S: Simd, const M: usize, const UNIT: bool, const STRID
             outer_products::<S, M>(simd, left, stride, rows.iter())
         };
         subtract_from(simd, right, stride, &mut tile);
-        // Unrolled by hand: in loops the tile would not stay in registers.
+        // Unrolled by hand, since loops would not keep the tile in registers.
         let t = |row: usize, column: usize| if UNIT { diagonal[(j + row) * p + j + column] } else { diagonal[(j + column) * p + j + row] };
         let [mut x_0, mut x_1, mut x_2, mut x_3] = tile;
         if !UNIT {

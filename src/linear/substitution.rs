@@ -15,12 +15,12 @@ pub(super) enum Direction {
     Up,
 }
 
-/// Consecutive fronts with their part of the vectors, and the numbers exchanged with the fronts above.
+/// Consecutive fronts with their part of several vectors, and the components exchanged with the fronts above.
 pub(super) struct Part<'a> {
     pub(super) fronts: Range<usize>,
-    /// Place of the first owned number.
+    /// First position in the order of elimination that belongs to these fronts.
     pub(super) start: usize,
-    /// Positions of the exchanged numbers, ascending.
+    /// Positions of the exchanged components in the order of elimination, ascending.
     pub(super) rows: &'a [u32],
     pub(super) vectors: Vec<PartOfVector<'a>>,
 }
@@ -28,17 +28,17 @@ pub(super) struct Part<'a> {
 /// Part of one vector.
 pub(super) struct PartOfVector<'a> {
     pub(super) own: &'a mut [f64],
-    /// Exchanged numbers: contributions (forward) or the solution (backward).
+    /// Exchanged components: contributions to fronts above (forward), or the solution there (backward).
     pub(super) outside: &'a mut [f64],
 }
 
-/// Several vectors one after another, split into them.
+/// Splits consecutive vectors of equal length into `count` slices.
 pub(super) fn each(mut data: &mut [f64], count: usize) -> impl Iterator<Item = &mut [f64]> {
     let length = data.len() / count.max(1);
     (0..count).filter_map(move |_| data.split_off_mut(..length))
 }
 
-/// Parts of several vectors for the tasks.
+/// Parts of several vectors for all tasks.
 pub(super) fn parts<'a>(symbolic: &'a Symbolic, ordered: &'a mut [f64], outside: &'a mut [f64], count: usize) -> Vec<Part<'a>> {
     let mut vectors: Vec<_> = each(ordered, count).zip(each(outside, count)).collect();
     let mut done = 0;
@@ -46,7 +46,7 @@ pub(super) fn parts<'a>(symbolic: &'a Symbolic, ordered: &'a mut [f64], outside:
         let (start, last) = (symbolic.fronts[task.start].first, &symbolic.fronts[task.end - 1]);
         let end = last.first + last.pivots;
         let own = |(ordered, outside): &mut (&'a mut [f64], &'a mut [f64])| {
-            // What stands between two tasks belongs to fronts above.
+            // Components between two tasks belong to fronts above the tasks.
             let _ = ordered.split_off_mut(..start - done);
             PartOfVector {
                 own: ordered.split_off_mut(..end - start).unwrap_or_default(),
@@ -78,7 +78,8 @@ impl WithSimd for Substitution<'_, '_> {
         let Substitution { symbolic, factors, swaps, part, at_front, direction } = self;
         let Part { fronts, start, rows: above, vectors } = part;
         let fronts = &symbolic.fronts[fronts.clone()];
-        // Every vector has its own operations in their order, while the factors of the front are in the caches.
+        // Vectors are processed one after another at each front, whose factors stay in the cache; each vector has a fixed order of
+        // operations.
         if direction == Direction::Down {
             for front in fronts {
                 for vector in vectors.iter_mut() {
@@ -95,7 +96,7 @@ impl WithSimd for Substitution<'_, '_> {
     }
 }
 
-/// One front of a substitution.
+/// Substitution at one front.
 struct AtFront<'a> {
     symbolic: &'a Symbolic,
     front: &'a Front,

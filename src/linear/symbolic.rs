@@ -1,4 +1,4 @@
-//! Structure of the factors: elimination tree, fronts, and the positions of all entries of matrix and updates.
+//! Structure of the factors: elimination tree, fronts, and the positions of all entries of matrix and update matrices.
 //!
 //! Graph algorithms work on vertices, which are merged into fronts in [`super::tree`]. This module numbers the fronts and divides them into
 //! tasks; [`super::places`] finds the positions of entries.
@@ -15,7 +15,7 @@ use crate::math::workers::Workers;
 
 /// Number of operations above which several threads are used: tenths of a millisecond.
 const WORTH_TASKS: f64 = 3e6;
-/// Ratio of total work to that of a subtree below which the subtree is split: enough parts to balance a few threads.
+/// Subtrees with more than `1/TASKS` of the total work are split further: enough tasks to balance a few threads.
 const TASKS: f64 = 10.0;
 
 /// Structure of the factors of a pattern for one order of elimination.
@@ -30,12 +30,12 @@ pub(super) struct Symbolic {
     pub(super) places: Places,
     /// Number of unknowns of each vertex.
     pub(super) sizes: Vec<u8>,
-    /// Length of all factors.
+    /// Number of entries of all factors.
     pub(super) factors: usize,
     /// Independent subtrees, as ranges of fronts in ascending order, which are eliminated before the remaining fronts; empty for a small
     /// matrix.
     pub(super) tasks: Vec<Range<usize>>,
-    /// Stack layouts of update matrices: for one thread, and for several tasks.
+    /// Stack layouts of the update matrices: `alone` for one thread, `shared` for several tasks.
     pub(super) alone: UpdateStack,
     pub(super) shared: UpdateStack,
     /// Unknowns of the largest front.
@@ -59,7 +59,7 @@ impl Symbolic {
         symbolic
     }
 
-    /// Finds the blocks of a pattern with other couplings; blocks of the structure outside the pattern have no position.
+    /// Finds the blocks of a pattern with other couplings; blocks of the structure that the pattern lacks are marked as zero.
     pub(super) fn find_blocks(&mut self, pattern: &Pattern) {
         let find = |row: u32, column: u32| pattern.find_block(row, column).unwrap_or(Block::NOWHERE);
         for entry in &mut self.places.inside {
@@ -75,13 +75,13 @@ impl Symbolic {
         if workers.are_many() && !self.tasks.is_empty() { (&self.shared, workers.count()) } else { (&self.alone, 1) }
     }
 
-    /// Splits the tree into independent subtrees of comparable work and the fronts above them.
+    /// Splits the tree into independent subtrees (tasks) of comparable work; the fronts above them remain.
     fn find_tasks(&mut self) {
         if self.operations < WORTH_TASKS {
             return;
         }
         let mut work: Vec<f64> = self.fronts.iter().map(Front::work).collect();
-        // First front of each subtree.
+        // First front of the subtree of each front.
         let mut from: Vec<usize> = (0..self.fronts.len()).collect();
         for k in 0..self.fronts.len() {
             if let Some(parent) = self.fronts[k].parent {
@@ -118,7 +118,7 @@ impl Symbolic {
                 stack.push((k, true));
                 children.clear();
                 children.extend(tree.kids(k));
-                // The largest update first keeps the stack of updates small.
+                // Processing the child with the largest update first keeps the stack of updates small.
                 children.sort_by_key(|&c| (surplus.as_ref().map_or(tree.update[c as usize] as usize, |surplus| surplus[c as usize]), c));
                 stack.extend(children.iter().map(|&c| (c, false)));
                 continue;

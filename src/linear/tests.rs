@@ -1,4 +1,4 @@
-//! The factorisation against dense LU, against sparse LU with partial pivoting, and against known solutions.
+//! Tests of the factorization against dense LU, against sparse LU with partial pivoting, and against known solutions.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -15,7 +15,7 @@ use super::{InterruptWatch, LinearError, Pattern, Vertex};
 use crate::math::tolerances::LINEAR_RESIDUAL;
 use crate::math::workers::Workers;
 
-/// Two strips (boxes for `D = 3`) of cells, `along` cells long, tied along a side by a multiplier per node of the first one.
+/// Two strips (boxes for `D = 3`) of cells, `along` cells long, tied along a side by one multiplier per node of the first strip.
 fn tied<const D: usize>(along: usize, across: usize, shift: usize, disturbance: f64) -> System {
     let depth = if D == 3 { 2 } else { 1 };
     let (long, wide) = (along + 1, across + 1);
@@ -55,7 +55,7 @@ impl System {
         matrix
     }
 
-    /// A vector of the size of displacements and multipliers, and its image.
+    /// Exact solution with the typical sizes of displacements (1e-3) and multipliers (1e2), and its right-hand side.
     fn problem(&self) -> (Vec<f64>, Vec<f64>) {
         let exact: Vec<f64> = (0..self.pattern.unknowns())
             .map(|i| (i as f64 * 0.7).sin() * if i < self.pattern.first_unknown(self.nodes) { 1e-3 } else { 1e2 })
@@ -88,7 +88,7 @@ impl System {
     }
 }
 
-/// Solves without refinement, scaled as given, and returns the solution and how many pivots were replaced.
+/// Solution of the multifrontal LU without refinement, with the given scaling, and the number of replaced pivots.
 fn multifrontal(system: &System, right: &[f64]) -> (Vec<f64>, usize) {
     let symbolic = Symbolic::new(&system.pattern, &anchored(&system.pattern, &candidates(&system.pattern, &InterruptWatch::default())[0]));
     let scale = |vertex: usize| if vertex < system.nodes { 2f64.powi(-9) } else { 2f64.powi(9) };
@@ -137,7 +137,7 @@ fn unsymmetric_saddle_points_are_solved_like_by_dense_lu() {
         let dense = system.dense().lu().solve(&DVector::from_column_slice(&right)).unwrap();
         let displacements = system.pattern.first_unknown(system.nodes);
         for (i, (x, e)) in x.iter().zip(dense.iter()).enumerate() {
-            // The condition number is below 1e4 in units of displacements and multipliers.
+            // Relative accuracy in units of displacements and multipliers, in which the condition number is below 1e4.
             let size = if i < displacements { 1e-3 } else { 1e2 };
             assert!((x - e).abs() < 1e-11 * size, "unknown {i}: {x} against {e}");
         }
@@ -202,7 +202,7 @@ fn a_multiplier_whose_anchor_is_held_is_solved_all_the_same() {
     let mut factorization = Factorization::new(&system.pattern).unwrap();
     let (error, residual) = system.error(&mut factorization);
     assert!(residual < 1e-13 && error < 1e-10, "residual {residual}, error {error}");
-    // Without anchors the multipliers come last and need no second method.
+    // Multipliers without anchors are eliminated last and need no fallback.
     system.pattern = system.pattern.clone().with_anchors([]);
     let mut factorization = Factorization::new(&system.pattern).unwrap();
     let (error, residual) = system.error(&mut factorization);
@@ -210,8 +210,8 @@ fn a_multiplier_whose_anchor_is_held_is_solved_all_the_same() {
     assert!(!factorization.has_fallen_back());
 }
 
-/// A saddle point some of whose multipliers have `huge` diagonal entries: scaled by their constraints, which are of order one, these rows
-/// have entries far above one.
+/// Saddle-point matrix in which some multipliers have `huge` diagonal entries. Their rows are scaled by the constraints, which are of order
+/// one, so that the scaled diagonal entries are far above one.
 fn badly_scaled(huge: f64) -> System {
     let mut system = tied::<3>(6, 3, 1, 0.05);
     for m in (system.nodes..system.pattern.vertices()).step_by(3) {
@@ -316,10 +316,10 @@ fn a_changed_pattern_keeps_the_order_until_the_work_has_grown() {
         assert!(!factorization.has_fallen_back());
         let mut fresh = Factorization::new(&system.pattern).unwrap();
         fresh.factorize(&system.values).unwrap();
-        // 1.3 of the work at the last new order, which was itself fresh; new orders differ by the result of the dissection.
+        // A new order is made at 1.3 times the work of the last new order; orders also differ by the result of the dissection.
         assert!(factorization.operations() < 1.8 * fresh.operations(), "shift {shift}");
     }
-    // Another number of vertices.
+    // A pattern with another number of vertices.
     let system = tied::<2>(10, 3, 0, 0.05);
     factorization.renew(&system.pattern).unwrap();
     assert!(system.error(&mut factorization).1 < 1e-13);
@@ -329,7 +329,7 @@ fn a_changed_pattern_keeps_the_order_until_the_work_has_grown() {
 fn blocks_that_are_zero_cost_nothing_until_they_are_not() {
     let dense = tied::<2>(40, 6, 1, 0.05);
     let mut sparse = tied::<2>(40, 6, 1, 0.05);
-    // Without the couplings of multipliers the strips are independent, and each multiplier has an equation of its own.
+    // Without the couplings of the multipliers the strips are independent, and each multiplier has a separate equation.
     for m in sparse.nodes..sparse.pattern.vertices() {
         for &other in sparse.pattern.neighbors(m) {
             for (u, v) in [(m as u32, other), (other, m as u32)] {
@@ -344,12 +344,12 @@ fn blocks_that_are_zero_cost_nothing_until_they_are_not() {
     let mut factorization = Factorization::new(&dense.pattern).unwrap();
     assert!(sparse.error(&mut factorization).1 < 1e-13);
     let apart = factorization.operations();
-    // Couplings appear and vanish: their blocks are kept only while they are cheap.
+    // Couplings appear and vanish again: their blocks stay in the structure only while they are cheap.
     assert!(dense.error(&mut factorization).1 < 1e-13);
     let coupled = factorization.operations();
     assert!(coupled > 1.05 * apart, "{apart} {coupled}");
     assert!(sparse.error(&mut factorization).1 < 1e-13);
-    // A restored order with its blocks gives the same bytes.
+    // A restored order with its structure gives bitwise equal results.
     let (_, right) = dense.problem();
     let solve = |factorization: &mut Factorization| {
         let mut x = right.clone();
@@ -365,8 +365,8 @@ fn blocks_that_are_zero_cost_nothing_until_they_are_not() {
     assert_eq!(solve(&mut other), x);
 }
 
-/// Sliding surfaces make an order worse than its best: factorizations add to the account, without a new order. A restored order with its
-/// account continues identically, also at the choice of a new order.
+/// Sliding surfaces increase the work of an order: factorizations add the excess to the account without a new order. A restored order with
+/// its account continues identically, also at the choice of a new order.
 #[test]
 fn what_is_counted_leaves_the_order_as_it_is() {
     let systems: Vec<System> = (0..12).map(|shift| tied::<2>(40, 6, shift, 0.05)).collect();
@@ -415,7 +415,7 @@ fn widened(system: &System, more: impl Iterator<Item = [u32; 2]>) -> System {
     System { pattern, values, nodes: system.nodes }
 }
 
-/// Holds for pivots inside fronts and for the fallback.
+/// Both for pivots inside fronts and for the fallback.
 #[test]
 fn couplings_that_are_always_zero_change_no_byte() {
     let mut factorizations = [(); 3].map(|()| Factorization::new(&tied::<2>(40, 6, 0, 0.05).pattern).unwrap());
@@ -447,7 +447,7 @@ fn couplings_that_are_always_zero_change_no_byte() {
     assert!(factorizations.iter().all(|factorization| factorization.work() == factorizations[0].work()));
 }
 
-/// Blocks that stay zero leave the structure even without new blocks.
+/// Blocks that became zero are removed from the structure even if no new blocks appear.
 #[test]
 fn blocks_that_have_gone_cost_nothing_in_the_end() {
     let coupled = tied::<2>(40, 6, 1, 0.05);
@@ -485,7 +485,7 @@ fn right_hand_sides_together_give_the_bytes_of_each_alone() {
         let system = tied::<2>(220, 30, 1, 0.3);
         let mut factorization = Factorization::new(&system.pattern).unwrap().with_workers(&Workers::new(threads));
         factorization.factorize(&system.values).unwrap();
-        // More than are substituted together; the third is zero.
+        // More right-hand sides than are substituted together; the third one is zero.
         let unknowns = system.pattern.unknowns();
         let mut rights: Vec<f64> = (0..19 * unknowns).map(|k| (0.7 * k as f64).sin()).collect();
         rights[2 * unknowns..3 * unknowns].fill(0.0);

@@ -64,7 +64,7 @@ pub(super) fn outer_products<'b, S: Simd, const M: usize>(
     sum
 }
 
-/// Replaces `tile` by the difference of the entries at `c` and `tile`.
+/// Subtraction `c - tile`, stored in `tile`.
 #[inline(always)]
 pub(super) fn subtract_from<S: Simd, const M: usize>(simd: S, c: &[f64], stride: usize, tile: &mut Tile<S, M>) {
     for j in 0..WIDTH {

@@ -5,14 +5,14 @@ use std::ops::Range;
 
 use super::pattern::Pattern;
 
-/// Number of pivots below which two fronts are merged unless zeros dominate (measured: 1 costs a fifth, 24 a seventh).
+/// Number of pivots below which two fronts are merged unless zeros dominate. Measured run time: with 1 a fifth longer, with 24 a seventh.
 const SMALL: u32 = 8;
-/// Largest share of zeros in a merger of small fronts.
+/// Largest share of zeros in a front merged from small fronts.
 const SMALL_ZEROS: f64 = 0.6;
-/// Largest share of zeros in any merger.
+/// Largest share of zeros in any merged front.
 const ZEROS: f64 = 0.05;
 
-/// No vertex.
+/// Marker for a missing vertex.
 pub(super) const NONE: u32 = u32::MAX;
 
 /// The elimination tree with merged vertices; a vertex is named by its place in the order of elimination, a front by its last vertex.
@@ -23,15 +23,15 @@ pub(super) struct Tree {
     /// First vertex of each front, and the next vertex of the front after each vertex.
     pub(super) head: Vec<u32>,
     pub(super) next: Vec<u32>,
-    /// Number of unknowns in the update.
+    /// Number of non-pivot unknowns of each front.
     pub(super) update: Vec<u32>,
-    /// Vertices of the updates, listed by vertex.
+    /// Non-pivot vertices of the fronts, listed by vertex; `starts`: first entry of each vertex.
     pub(super) structure: Vec<u32>,
     pub(super) starts: Vec<u32>,
 }
 
 impl Tree {
-    /// Children of a front, or of a vertex before any merger.
+    /// Children of a front, or before merging of a vertex.
     pub(super) fn kids(&self, k: u32) -> impl Iterator<Item = u32> + '_ {
         let mut kid = self.first_kid[k as usize];
         std::iter::from_fn(move || {
@@ -43,12 +43,12 @@ impl Tree {
         })
     }
 
-    /// Places of the vertices of an update in `structure`.
+    /// Range of the non-pivot vertices of a front in `structure`.
     pub(super) fn range(&self, k: u32) -> Range<usize> {
         self.starts[k as usize] as usize..self.starts[k as usize + 1] as usize
     }
 
-    /// The tree, and the parents of the vertices before any merger.
+    /// Elimination tree after merging, and the parents of the vertices before merging.
     pub(super) fn new(pattern: &Pattern, order: &[u32]) -> (Self, Vec<u32>) {
         let count = order.len();
         let mut place = vec![0u32; count];
@@ -107,7 +107,7 @@ impl Tree {
         (tree, parent)
     }
 
-    /// Merges children into their parents where that saves time.
+    /// Merges fronts into their parents where that saves time.
     fn merge(&mut self, mut pivots: Vec<u32>) {
         let count = pivots.len();
         let mut zeros = vec![0.0f64; count];

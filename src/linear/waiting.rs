@@ -9,10 +9,11 @@ use super::fronts::Front;
 use super::tiles::padded;
 use super::tree::Tree;
 
-/// Number of stacked entries above which children are ordered for least memory: 16 MB. Below, the largest child comes first.
+/// Number of stacked entries (16 MB) above which children are ordered for minimal memory; below, the child with the largest update comes
+/// first.
 const LARGE: usize = 1 << 21;
 
-/// Location of a waiting update.
+/// Location of an update matrix until it is assembled.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum Side {
     /// Stack that grows from the buffer's start, or from its end.
@@ -28,15 +29,14 @@ pub(super) enum Side {
 pub(super) struct UpdateStack {
     /// Stack and first position of each front's update matrix.
     pub(super) places: Vec<(Side, usize)>,
-    /// Lengths of the buffers for fronts outside tasks, for a task, and for handed-over updates.
+    /// Buffer lengths: for fronts outside of tasks, for one task, and for the update matrices handed over by tasks.
     pub(super) buffer: usize,
     pub(super) of_task: usize,
     pub(super) handed: usize,
 }
 
 impl UpdateStack {
-    /// Stack positions for fronts in an order that ends every subtree with its root. A task, a range of fronts, has its own stacks; its
-    /// last update is handed over.
+    /// Stack positions for fronts in postorder. A task, a range of fronts, has separate stacks; its last update matrix is handed over.
     pub(super) fn new(fronts: &[Front], children: &[u32], tasks: &[Range<usize>]) -> Self {
         let mut waiting = UpdateStack { places: vec![(Side::Low, 0); fronts.len()], ..UpdateStack::default() };
         for k in (0..fronts.len()).rev() {
@@ -60,7 +60,7 @@ impl UpdateStack {
                 tops[side as usize] += size(k);
                 *buffer = (*buffer).max(tops[0] + tops[1]);
             }
-            // The children of a front are last on the stack of the other side.
+            // The updates of the children are on top of the other stack and are released.
             for &child in &children[front.children.clone()] {
                 let side = waiting.places[child as usize].0;
                 if side != Side::Handed {
@@ -75,8 +75,8 @@ impl UpdateStack {
     }
 }
 
-/// For each front, the peak number of stacked entries during its subtree's elimination, less its own update: children are sorted by it in
-/// descending order (Liu 1986). `None` if sorting by size suffices.
+/// For each front, the peak number of stacked entries during the elimination of its subtree minus its own update. Eliminating children in
+/// descending order of this number minimizes the peak (Liu 1986). `None` if sorting by size suffices.
 pub(super) fn surplus(tree: &Tree) -> Option<Vec<usize>> {
     let by_size = peaks(tree, |c, _| tree.update[c as usize] as usize);
     let largest = tree.roots.iter().map(|&root| by_size[root as usize]).max()?;

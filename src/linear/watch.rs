@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
-/// Operations above which a factorisation reports its progress: a few tenths of a second.
+/// Number of operations above which a factorization reports its progress: a few tenths of a second.
 const LONG: f64 = 5e9;
 
 /// Interrupt flag and progress counter of a factorization; both may be shared with other threads.

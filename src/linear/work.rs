@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Work counters; equal in every run and on every machine with equal instructions.
+/// Work counters of linear solvers; reproducible on machines with equal instruction sets.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Work {
     /// Numeric factorisations.
@@ -38,7 +38,7 @@ impl Work {
     }
 }
 
-/// Part of the work that is the same whether a run was resumed or not: a resumed run makes other structures.
+/// Work counters that do not depend on an interruption of the run: a resumed run makes additional structures, but no additional calls.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SolverCalls {
     /// Numeric factorizations of the direct solver.
@@ -48,7 +48,7 @@ pub struct SolverCalls {
 }
 
 impl SolverCalls {
-    /// Count with a later count of the same solver added, less an earlier one.
+    /// Adds the difference of two counts, `self + later - earlier`.
     pub fn plus(self, later: SolverCalls, earlier: SolverCalls) -> SolverCalls {
         SolverCalls {
             factorizations: self.factorizations + later.factorizations - earlier.factorizations,

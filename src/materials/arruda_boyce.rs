@@ -1,8 +1,9 @@
 //! Arruda-Boyce law: eight chains from the center of a cube to its corners, as a series of five terms.
 //!
 //! `W = mu sum_i C_i / m^(2i-2) (I1bar^i - 3^i) + K/4 (J^2 - 1 - 2 ln J)` with `C = 1/2, 1/20, 11/1050, 19/7000, 519/673750` (Arruda and
-//! Boyce, Journal of the Mechanics and Physics of Solids 41, 1993). The shear modulus at rest is greater than `mu`, by the factor
-//! `1 + 3/(5 m^2) + 99/(175 m^4) + 513/(875 m^6) + 42039/(67375 m^8)`. The series does not lock at `m` as the law it stands for.
+//! Boyce, Journal of the Mechanics and Physics of Solids 41, 1993). The shear modulus at rest is greater than `mu`, by the factor `1 + 3/(5
+//! m^2) + 99/(175 m^4) + 513/(875 m^6) + 42039/(67375 m^8)`. Unlike the inverse Langevin function that it approximates, the series stays
+//! finite at the locking stretch `m`.
 
 use super::energy::StoredEnergy;
 use super::row::{BULK_MODULUS, Construct, DENSITY, MaterialRow, VOLUMETRIC, number, stress};

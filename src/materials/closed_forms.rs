@@ -99,7 +99,7 @@ impl Compared {
         }
     }
 
-    /// Pressure of a change of the volume alone.
+    /// Compares the pressure in purely volumetric deformations with `slope`, the function `U'(J)`.
     fn volume(&self, slope: impl Fn(f64) -> f64) {
         for l in [0.7, 1.0 - 1e-9, 1.4] {
             let s = cauchy(&*self.law, &stretched(l, l, l));
@@ -163,9 +163,9 @@ fn laws_of_the_stretch_and_the_strain() {
     venant.volume(|j| j.powf(-1.0 / 3.0) * (3.0 * lambda + 2.0 * mu) * strain(j.cbrt()));
 }
 
-/// Cauchy stresses of both forms of the neo-Hookean law are `(mu (l_i^2 - 1) + J U'(J))/J`. Where a side is free, `mu (1 - l^2) = J U'`
-/// there: of the power form a quadratic equation for the square `y` of its stretch, of the logarithmic form one that gives the
-/// stretch along for a chosen `y`.
+/// Uniaxial and biaxial test pieces with free sides, for both forms of the neo-Hookean law. The Cauchy stresses are `(mu (l_i^2 - 1) + J
+/// U'(J))/J`, so that `mu (1 - l^2) = J U'` for the stretch `l` of a free side. For the power form this is a quadratic equation for `y =
+/// l^2`; for the logarithmic form it gives the axial stretch for a chosen `y`.
 #[test]
 fn pieces_of_both_neo_hookean_forms_stretch_freely_across() {
     let (youngs_modulus, poisson_ratio) = (1.0, 0.3);
@@ -174,7 +174,7 @@ fn pieces_of_both_neo_hookean_forms_stretch_freely_across() {
     let check = |compared: &Compared, stretches: [f64; 3], free: &[usize]| {
         let s = cauchy(&*compared.law, &stretched(stretches[0], stretches[1], stretches[2]));
         let j: f64 = stretches.iter().product();
-        // With `J U'` from the free side, the stress along is mu times the difference of the squares.
+        // `J U'` follows from the free side, so that the axial stress is mu times the difference of the squared stretches.
         let along = mu * (stretches[0].powi(2) - stretches[free[0]].powi(2)) / j;
         compared.close(&format!("along {stretches:?}"), s[(0, 0)] / mu, along / mu);
         free.iter().for_each(|&i| compared.close(&format!("across {stretches:?}"), s[(i, i)] / mu, 0.0));
@@ -183,21 +183,21 @@ fn pieces_of_both_neo_hookean_forms_stretch_freely_across() {
         compared.close(&format!("{piece:?} {stretches:?}"), found / mu, along * j / stretches[0] / mu);
     };
     for l in [0.4f64, 0.8, 1.0 + 1e-9, 1.5, 3.0] {
-        // lambda/2 (l^2 y^2 - 1) = mu (1 - y) and lambda/2 (l^4 y - 1) = mu (1 - y).
+        // Power form, uniaxial and equibiaxial: lambda/2 (l^2 y^2 - 1) = mu (1 - y) and lambda/2 (l^4 y - 1) = mu (1 - y).
         let y = ((mu * mu + 2.0 * lambda * l * l * (mu + 0.5 * lambda)).sqrt() - mu) / (lambda * l * l);
         check(&power, [l, y.sqrt(), y.sqrt()], &[1, 2]);
         let y = (mu + 0.5 * lambda) / (mu + 0.5 * lambda * l.powi(4));
         check(&power, [l, l, y.sqrt()], &[2]);
     }
     for y in [0.5f64, 0.9, 1.0 - 1e-9, 1.3] {
-        // lambda ln(l y) = mu (1 - y) and lambda ln(l^2 sqrt y) = mu (1 - y).
+        // Logarithmic form, uniaxial and equibiaxial: lambda ln(l y) = mu (1 - y) and lambda ln(l^2 sqrt y) = mu (1 - y).
         check(&logarithmic, [(mu / lambda * (1.0 - y)).exp() / y, y.sqrt(), y.sqrt()], &[1, 2]);
         let l = (0.5 * (mu / lambda * (1.0 - y) - 0.5 * y.ln())).exp();
         check(&logarithmic, [l, l, y.sqrt()], &[2]);
     }
     for compared in [&logarithmic, &power] {
         for g in [1e-9, 0.3, 1.0, 2.5] {
-            // At constant volume s = mu (b - 1), for every volumetric form.
+            // At constant volume the Cauchy stress is mu (b - 1) for every volumetric form.
             let s = cauchy(&*compared.law, &sheared(g));
             compared.close("shear", s[(0, 1)] / mu, g);
             compared.close("shear, along", s[(0, 0)] / mu, g * g);
@@ -237,7 +237,7 @@ fn fibers_pull_and_do_not_push() {
     assert_eq!(slopes(0.7 * 0.7 + 2.0 / 0.7, 0.7 * 0.7).1, 0.0);
 }
 
-/// Rotation by 0.4 in the plane.
+/// Rotation matrix of the angle 0.4 rad in the plane.
 fn turn() -> Matrix {
     let (sine, cosine) = 0.4f64.sin_cos();
     Matrix::new(cosine, -sine, 0.0, sine, cosine, 0.0, 0.0, 0.0, 1.0)
@@ -262,7 +262,8 @@ fn law(text: &str) -> std::sync::Arc<dyn BatchedLaw<6>> {
 
 #[test]
 fn functions_of_principal_stretches_hold_at_equal_stretches() {
-    // l1^4 + l2^4 + l3^4 = tr C^2 and l1^-4 + ... = tr C^-2 by invariants, whose derivatives are written without principal stretches.
+    // l1^4 + l2^4 + l3^4 = tr C^2 and l1^-4 + l2^-4 + l3^-4 = tr C^-2: equal energies in invariants, whose derivatives need no principal
+    // stretches.
     for (principal, invariant) in [("stretch_power(4)", "I1^2 - 2*I2"), ("stretch_power(-4)", "(I2^2 - 2*I1*I3)/I3^2")] {
         let (principal, invariant) = (law(principal), law(invariant));
         let q = turn();

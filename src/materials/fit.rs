@@ -1,4 +1,4 @@
-//! Constants of a law from tests: least squares of nominal stresses of incompressible pieces.
+//! Fit of a law's constants to tests: least squares of the nominal stresses of incompressible test pieces.
 //!
 //! Rubber is nearly incompressible in tests: stresses follow from the stretches with the pressure that makes the third face free, and the
 //! volumetric energy drops out (Ogden 1972). Constants in which the energy is linear (moduli) follow from the others by linear least
@@ -66,10 +66,10 @@ impl FitError {
 
 /// Start values of constants on which stresses depend nonlinearly: powers, and limits of `I1 - 3`.
 const STARTS: [f64; 8] = [-2.0, 0.5, 1.5, 3.0, 5.0, 9.0, 30.0, 90.0];
-/// Largest number of starts, and number of the best starts from which the search continues.
+/// Number of start points tried, and number of the best of these from which the search continues.
 const TRIED: usize = 512;
 const FOLLOWED: usize = 6;
-/// Largest number of steps from a start.
+/// Largest number of Gauss-Newton steps from one start point.
 const STEPS: usize = 200;
 
 /// Nominal stress of an incompressible test piece at a stretch.
@@ -136,14 +136,14 @@ struct Problem<'a> {
 }
 
 impl Problem<'_> {
-    /// Stresses of the law with these constants at all points.
+    /// Stresses of the law with the given constants at all measured points.
     fn law(&self, constants: &[f64]) -> Result<DVector<f64>, EnergyError> {
         let law = (self.energy)(constants)?.in_space()?;
         let stresses = self.measured.iter().flat_map(|test| test.points.iter().map(|point| (test.piece, point[0])));
         Ok(DVector::from_vec(stresses.map(|(piece, stretch)| incompressible_stress(&law, piece, stretch)).collect()))
     }
 
-    /// Constants on which stresses depend linearly, individually and jointly.
+    /// Indices of the constants in which the stresses are linear, each alone and all together.
     fn linear(&self, start: &[Option<f64>]) -> Result<Vec<usize>, EnergyError> {
         let base: Vec<f64> = start.iter().enumerate().map(|(k, value)| value.unwrap_or(1.3 + 0.4 * k as f64)).collect();
         let scaled = |indices: &[usize], factor: f64| {
@@ -214,7 +214,7 @@ impl Separated<'_> {
         Some((constants, wanted - matrix * values))
     }
 
-    /// Steps downhill from a start.
+    /// Damped Gauss-Newton steps from a start point to a local minimum of the squared residuals.
     fn descend(&self, mut at: Vec<f64>) -> Option<(Vec<f64>, DVector<f64>)> {
         let (mut constants, mut rest) = self.solve(&at)?;
         let mut damping = FIT_DIFFERENCE;
@@ -275,7 +275,7 @@ mod tests {
         };
         let exact = [0.62, 1.3, -0.01, -2.2];
         let found = fit(ogden, &[None; 4], &sampled(&ogden(&exact).unwrap())).unwrap();
-        // The two terms may have changed places.
+        // The fit may return the two terms in reverse order.
         let mut pairs = [[found.constants[1], found.constants[0]], [found.constants[3], found.constants[2]]];
         pairs.sort_by(|a, b| b[0].total_cmp(&a[0]));
         for (found, exact) in pairs.iter().flatten().zip([1.3, 0.62, -2.2, -0.01]) {

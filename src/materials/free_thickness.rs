@@ -37,7 +37,7 @@ struct Found {
 }
 
 impl FreeThickness {
-    /// History variables of the law at all points, and the strains across the plane.
+    /// Splits the history variables of all points into those of the law and the strains across the plane.
     fn parted(&self, history: &[Lanes<false>]) -> (Vec<Lanes<false>>, Vec<Lanes<false>>) {
         let size = self.variables();
         let (mut inner, mut across) = (Vec::with_capacity(history.len()), Vec::with_capacity(history.len() / size));
@@ -48,7 +48,7 @@ impl FreeThickness {
         (inner, across)
     }
 
-    /// Joins history variables of the law and strains across the plane.
+    /// Joins the history variables of the law and the strains across the plane; inverse of `parted`.
     fn join(&self, inner: &[Lanes<false>], strain: &[Components<4>], history: &mut [Lanes<false>]) {
         let size = self.variables();
         for (point, (history, strain)) in history.chunks_exact_mut(size).zip(strain).enumerate() {

@@ -61,14 +61,14 @@ pub trait HistoryLaw<const S: usize>: Send + Sync {
     /// Number of history variables of a point.
     fn variables(&self) -> usize;
 
-    /// Stresses of a step and their derivatives `[stress]` with respect to the strain at the end; for [`StressOf::Middle`] half of those
-    /// with respect to the strain in the middle.
+    /// Stresses of a step and their derivatives `[stress]` with respect to the strain at the end; for [`StressOf::Middle`], half of the
+    /// derivatives with respect to the strain at mid-step.
     fn responses_into(&self, step: &StrainStep<S>, responses: &mut [Response<S>]);
 
-    /// Computes derivatives of the stress with respect to the change of the strain, as responses without a stress; returns false if the
-    /// stress in the middle of a step does not depend on that change.
+    /// Computes derivatives of the stress with respect to the strain increment, as responses without a stress; returns false if the stress
+    /// at mid-step does not depend on the increment.
     ///
-    /// Called for [`StressOf::Middle`] alone, whose other derivatives belong to variations of the strain in the middle.
+    /// Called for [`StressOf::Middle`] only: the derivatives of [`HistoryLaw::responses_into`] then refer to the strain at mid-step.
     fn rate_responses_into(&self, _step: &StrainStep<S>, _responses: &mut [Response<S>]) -> bool {
         false
     }
@@ -86,10 +86,10 @@ pub trait HistoryLaw<const S: usize>: Send + Sync {
     /// Relaxes the rate-dependent history variables at constant strains.
     fn relax(&self, _strain: &[Components<S>], _history: &mut [Lanes<false>]) {}
 
-    /// Stored energies at strains and history variables, without relaxing parts `[energy/volume]`.
+    /// Stored energies at strains and history variables `[energy/volume]`, without those of relaxing (Maxwell) branches.
     fn energies_into(&self, strain: &[Components<S>], history: &[Lanes<false>], energies: &mut [Lanes<false>]);
 
-    /// Adds the relaxing stored energies, those of viscosity branches `[energy/volume]`.
+    /// Adds the stored energies of relaxing (Maxwell) branches `[energy/volume]`.
     fn add_relaxing_energies(&self, _history: &[Lanes<false>], _energies: &mut [Lanes<false>]) {}
 
     /// Second Piola-Kirchhoff stresses at strains and history variables `[stress]`.

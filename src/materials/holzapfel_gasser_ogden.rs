@@ -2,9 +2,9 @@
 //!
 //! `W = mu/2 (I1bar - 3) + k1/(2 k2) sum_i (exp(k2 <E_i>^2) - 1) + K/4 (J^2 - 1 - 2 ln J)` with `E_i = kappa (I1bar - 3) + (1 - 3 kappa)
 //! (I4bar_i - 1)` and `<x> = max(x, 0)`: fibers carry no compression (Gasser, Ogden and Holzapfel, Journal of the Royal Society Interface
-//! 3, 2006). The families stand at plus and minus `angle` to the first axis, in the plane of the first two. The stiffness jumps where
-//! fibers come into tension. Under pressure the isochoric fiber term changes the shape as no fiber would (Nolan et al., Journal of the
-//! Mechanical Behavior of Biomedical Materials 39, 2014): write the energy with `I4` where that matters.
+//! 3, 2006). The two families lie in the plane of the first two axes, at plus and minus `angle` to the first axis. The stiffness jumps
+//! where fibers come into tension. The isochoric fiber term distorts the body unphysically under hydrostatic pressure (Nolan et al.,
+//! Journal of the Mechanical Behavior of Biomedical Materials 39, 2014): write the energy with `I4` where that matters.
 
 use super::energy::StoredEnergy;
 use super::row::{BULK_MODULUS, Construct, DENSITY, MaterialRow, VOLUMETRIC, number, stress};

@@ -157,7 +157,7 @@ fn metric(strain: &[f64; 6]) -> Matrix3<f64> {
     c
 }
 
-/// Strain components that a test leaves free; pieces held along two axes do not shear at the clamps.
+/// Indices of the strain components that a test leaves free; test pieces clamped along two axes do not shear in their plane.
 fn free_components(piece: HomogeneousTest) -> Vec<usize> {
     if piece.given() == 1 { (1..6).collect() } else { vec![2, 4, 5] }
 }
@@ -179,7 +179,7 @@ fn solve(respond: Respond, piece: HomogeneousTest, from: &Homogeneous, stretch: 
     let given = piece.given();
     let free = free_components(piece);
     let mut strain = from.strain;
-    // First guess at constant volume.
+    // Initial guess: stretches scaled at constant volume.
     let (old, new) = (piece.isochoric(from.stretch), piece.isochoric(stretch));
     for k in 0..3 {
         let c = (1.0 + 2.0 * strain[k]) * (new[k] / old[k]).powi(2);
@@ -201,7 +201,7 @@ fn solve(respond: Respond, piece: HomogeneousTest, from: &Homogeneous, stretch: 
         }
         let matrix = DMatrix::from_fn(free.len(), free.len(), |a, b| tangent[free[a]][free[b]]);
         let change = matrix.lu().solve(&residual)?;
-        // The increment is reduced until the volume stays positive.
+        // The increment is reduced until the volume ratio stays positive.
         let mut share = 1.0;
         let moved = |share: f64| {
             let mut moved = strain;

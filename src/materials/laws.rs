@@ -27,7 +27,7 @@ impl Laws {
         }
     }
 
-    /// Returns these laws with their split into `W_d` (`rest`) and `U(J)` (`volumetric`).
+    /// Returns the laws with their split into `W_d` (`rest`) and `U(J)` (`volumetric`).
     pub(super) fn split_into<L: Law + Clone, U: VolumetricLaw + 'static>(self, rest: L, volumetric: U) -> Self {
         let Laws { plane, axisymmetric, space, .. } = Laws::new(rest);
         Laws { split: Some(Split { plane, axisymmetric, space, volumetric: Arc::new(volumetric) }), ..self }

@@ -42,7 +42,7 @@ pub enum MaterialError {
         /// Number of given constants.
         given: usize,
     },
-    /// Stored energy that is invalid with these constants.
+    /// Stored energy that is invalid with the given constants.
     #[error(transparent)]
     Energy(#[from] EnergyError),
     /// Invalid constants of plasticity.
@@ -388,7 +388,7 @@ fn modulus_at_rest(law: &dyn BatchedLaw<6>) -> f64 {
     if bulk == 0.0 {
         return 0.0;
     }
-    // The law may resist shear by a stress at rest only.
+    // Without a shear modulus the law may still resist shear by its stress at zero strain; the bulk modulus is the scale then.
     if shear == 0.0 { bulk } else { 9.0 * bulk * shear / (3.0 * bulk + shear) }
 }
 

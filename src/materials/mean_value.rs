@@ -37,8 +37,8 @@ macro_rules! averaged {
             fn responses_into(&self, strain: &[Components<$size>], responses: &mut [Response<$size>]) {
                 self.0.responses_into(strain, responses);
             }
-            /// Writes the means in place of the values at the mean strain: twice the derivative of `m` as tangent, and the remaining part
-            /// of the remainder.
+            /// Replaces values at the mean strain by averages over both Gauss points: stress `m`, tangent twice `dm/dE_1`, and the
+            /// remainder `W(E_1) - W(E_0) - m.d`.
             fn increments_into(
                 &self,
                 strain_n: &[Components<$size>],
@@ -71,7 +71,7 @@ averaged!(3);
 averaged!(4);
 averaged!(6);
 
-/// Replaces the values at the mean strain by the means of the responses at the two Gauss points.
+/// Replaces the response at the mean strain by averages of the responses `a` and `b` at both Gauss points, and adapts the remainder.
 fn average<const S: usize>(increment: &mut IncrementResponse<S>, [a, b]: [&Response<S>; 2], start: &Components<S>, end: &Components<S>) {
     let [share_a, share_b] = shares();
     for k in 0..S {
@@ -118,7 +118,7 @@ mod tests {
             let material = Material::new(row, &MaterialRow::example(row, 1.0, 1.0)).unwrap();
             let law = material.axisymmetric();
             let [coarse, fine] = [0.5, 0.25].map(|size| error(&law, size));
-            // Fourth order: half the step has a sixteenth of the error, except for laws whose stiffness jumps.
+            // Error of fourth order: half the step gives a sixteenth of the error, except for laws whose stiffness jumps.
             assert!(law.has_kinks() || coarse < 1e-14 || (10.0..25.0).contains(&(coarse / fine)), "{}: {coarse:.1e} {fine:.1e}", row.name);
             let (mut increment, mut energy) = ([IncrementResponse::ZERO], [Lanes::ZERO; 2]);
             MeanValue(law.clone()).increments_into(&[strain(0.0)], &[strain(0.5)], &mut increment);

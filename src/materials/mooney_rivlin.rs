@@ -1,7 +1,8 @@
 //! Mooney-Rivlin law: linear in both isochoric invariants.
 //!
 //! `W = c10 (I1bar - 3) + c01 (I2bar - 3) + K/4 (J^2 - 1 - 2 ln J)`; shear modulus at rest `2 (c10 + c01)` (Mooney, Journal of Applied
-//! Physics 11, 1940; Rivlin, Philosophical Transactions A 241, 1948). Holds to stretches of about 2; has no upturn.
+//! Physics 11, 1940; Rivlin, Philosophical Transactions A 241, 1948). Valid up to stretches of about 2; does not model the stiffening of
+//! rubber at larger stretches.
 
 use super::energy::StoredEnergy;
 use super::row::{BULK_MODULUS, Construct, DENSITY, MaterialRow, VOLUMETRIC, stress};

@@ -219,8 +219,8 @@ impl Law for PowerForm {
         self.increment(strain_n, strain_n1).remainder
     }
 
-    /// Increment response from those of `-(mu + lambda/2) ln J`, as in the logarithmic form, and of the polynomial `lambda/4 det C`:
-    /// `lambda/4 t/4` with `t = 8 det dE`. Terms linear in `E` contribute nothing.
+    /// Increment response as the sum of that of `-(mu + lambda/2) ln J`, as in the logarithmic form, and that of the polynomial `lambda/4
+    /// det C`, whose remainder is `lambda/4 t/4` with `t = 8 det dE`. Terms linear in `E` have no remainder.
     #[inline(always)]
     fn increment<T: Tensor>(&self, strain_n: &T, strain_n1: &T) -> Increment<T> {
         let Lame { lambda, mu } = self.0;

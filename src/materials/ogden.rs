@@ -1,8 +1,8 @@
 //! Ogden law: powers of the isochoric principal stretches, up to three terms.
 //!
 //! `W = sum_p mu_p/alpha_p (l1^alpha_p + l2^alpha_p + l3^alpha_p - 3) + K/4 (J^2 - 1 - 2 ln J)` of `l_i J^(-1/3)`; shear modulus at rest
-//! `sum mu_p alpha_p / 2` (Ogden, Proceedings of the Royal Society A 326, 1972). A term with `mu_p = 0` is none. Every term with
-//! `mu_p alpha_p > 0` keeps the law stable.
+//! `sum mu_p alpha_p / 2` (Ogden, Proceedings of the Royal Society A 326, 1972). `mu_p = 0` omits a term. The law is stable if `mu_p
+//! alpha_p > 0` for every term.
 
 use super::energy::StoredEnergy;
 use super::row::{BULK_MODULUS, Construct, DENSITY, MaterialRow, VOLUMETRIC, number, stress};

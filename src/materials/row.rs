@@ -14,7 +14,7 @@ pub struct VolumetricForm {
 }
 
 impl VolumetricForm {
-    /// True if this form is the default of the law.
+    /// True if this volumetric form is the default form of the law.
     pub fn is_usual(&self) -> bool {
         self.all.first() == Some(&self.name)
     }
@@ -47,7 +47,7 @@ pub(super) enum Construct {
 }
 
 impl MaterialRow {
-    /// True if the law's name alone refers to this row.
+    /// True if this row is the law's only or default form, so that the law's name is sufficient.
     pub fn is_usual(&self) -> bool {
         self.volumetric.is_none_or(|form| form.is_usual())
     }

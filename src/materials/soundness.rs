@@ -48,7 +48,7 @@ impl std::fmt::Display for Weakness {
     }
 }
 
-/// Largest stretch that is checked, the least being its inverse, and ratio of successive stretches.
+/// Largest stretch that is checked; the smallest is its inverse. `STEP` is the ratio of successive stretches.
 const REACH: f64 = 4.0;
 const STEP: f64 = 1.02;
 /// Number of bisections of a step, which give the stretch to three digits.

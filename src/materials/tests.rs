@@ -83,7 +83,7 @@ fn contract<const S: usize>(name: &str, law: &dyn BatchedLaw<S>, is_given: bool)
                 assert!((difference - tangent[l][k]).abs() < 2e-8 * mu, "{name}: tangent {l}{k} {difference} {}", tangent[l][k]);
             }
         }
-        // The remainder, compared with its definition where this does not cancel, and with the size of the remainder elsewhere.
+        // The remainder is compared with its definition, to the round-off of the terms of the definition.
         let mid: Components<S> = std::array::from_fn(|k| (n[k] + n1[k]) * 0.5);
         let d: [f64; S] = std::array::from_fn(|k| n1[k].0[0] - n[k].0[0]);
         let work: f64 = stress_tangent(law, &mid).0.iter().zip(d).map(|(s, d)| s * d).sum();
@@ -98,7 +98,7 @@ fn contract<const S: usize>(name: &str, law: &dyn BatchedLaw<S>, is_given: bool)
             assert!((stress_end[k].0[2] - stress[k]).abs() < 1e-14 * mu, "{name}: stress {k} at the end");
         }
         let scale = energy(law, &n1).abs() + energy(law, &n).abs() + work.abs();
-        // For an energy given as text both remainders are differences of terms of first order.
+        // Energies given as text compute the remainder as a difference of terms of first order in the strain.
         let is_text = !["neo_hookean", "neo_hookean, power", "saint_venant_kirchhoff"].contains(&name);
         let first_order = n.iter().chain(&n1).map(|e| e.0[0].abs()).fold(0.0, f64::max);
         let scale = scale + if is_text { mu * first_order } else { 0.0 };
@@ -125,7 +125,7 @@ fn every_law_fulfils_the_contract_in_every_kind_of_strain() {
 
 #[test]
 fn energies_as_text_fulfil_the_contract() {
-    // Every function and every quantity; without stress at rest.
+    // Energies that together contain every function and every quantity, without stress at zero strain.
     for text in [
         "mu*((I1/3)^1.5/J - 1) + mu*ln(J)^2",
         "mu*(sinh(E11)^2 + cosh(E12) + tanh(E22)*E22 + exp(E33^2) + E23^2 + abs(E13)^5)",
@@ -204,7 +204,7 @@ fn default_remainder_is_exact_for_a_cubic_energy() {
         let (n, n1) = ([Lanes::splat(0.1); 3], [Lanes::splat(0.1 + step); 3]);
         let remainder = increment::<3>(&Sampled(5.0), &n, &n1).remainder.0[0];
         let exact = 5.0 * (2.0 * step).powi(3) / 4.0;
-        // The plain difference (step 0.1) has the round-off of the energies.
+        // For the large step the remainder is the plain difference, with the round-off of the energies.
         let round_off = if step < STRAIN_QUOTIENT { 15.0 * 0.4f64.powi(2) * step } else { 5.0 * 0.4f64.powi(3) };
         assert!((remainder - exact).abs() < 1e-15 * round_off, "step {step}: {remainder} {exact}");
     }

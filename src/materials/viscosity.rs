@@ -33,8 +33,8 @@ pub struct Viscosity {
 }
 
 impl Branch {
-    /// Factors `[(1 - h/2)/(1 + h/2), 1/(1 + h/2)]` of the branch strain at the start and of the strain increment in the branch strain at
-    /// the end of a step, with `h = dt/tau`.
+    /// Factors `[(1 - h/2)/(1 + h/2), 1/(1 + h/2)]`, `h = dt/tau`: the branch strain at the end of a step is the first times the branch
+    /// strain at the start plus the second times the strain increment.
     pub fn shares(&self, dt: f64) -> [f64; 2] {
         let half = 0.5 * dt / self.relaxation_time;
         [(1.0 - half) / (1.0 + half), 1.0 / (1.0 + half)]

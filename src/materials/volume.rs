@@ -1,5 +1,4 @@
-//! Change of volume and cofactor of `C = I + 2 E`, from the strain without differences of near-equal numbers; and energies of the volume
-//! alone.
+//! Change of volume and cofactor of `C = I + 2 E`, from the strain without differences of near-equal numbers; purely volumetric energies.
 
 use super::split::VolumetricLaw;
 use crate::math::lanes::{Lanes, Real};

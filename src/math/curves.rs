@@ -9,15 +9,15 @@ pub type Points = [[f64; 2]];
 /// Norms of the difference of two curves over a range.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Distance {
-    /// Difference of largest magnitude, the second curve minus the first.
+    /// Difference of largest magnitude over the range, second curve minus first curve.
     pub largest: f64,
-    /// Abscissa of the largest difference.
+    /// Abscissa `x` of the largest difference.
     pub at: f64,
-    /// Mean of the difference.
+    /// Mean of the difference over the range.
     pub mean: f64,
-    /// Mean square of the difference.
+    /// Mean square of the difference over the range.
     pub mean_square: f64,
-    /// Mean square of the first curve.
+    /// Mean square of the first curve over the range, the scale for relative differences.
     pub scale: f64,
     /// Range of the abscissa.
     pub range: [f64; 2],
@@ -84,7 +84,7 @@ mod tests {
         let found = distance(&rising, &falling, range);
         assert!((found.largest.abs() - 1.0).abs() < 1e-15 && found.mean.abs() < 1e-15, "{found:?}");
         assert!((found.mean_square - 1.0 / 3.0).abs() < 1e-15 && (found.scale - 1.0 / 3.0).abs() < 1e-15, "{found:?}");
-        // In half of the range: 1 - 2 x over [0, 1/2] has mean 1/2 and mean square 1/3.
+        // Over half of the range, [0, 1/2], the difference 1 - 2 x has mean 1/2 and mean square 1/3.
         let half = distance(&rising, &falling, [0.0, 0.5]);
         assert!((half.mean - 0.5).abs() < 1e-15 && (half.mean_square - 1.0 / 3.0).abs() < 1e-15);
         assert_eq!((half.largest, half.at), (1.0, 0.0));

@@ -357,7 +357,7 @@ mod tests {
 
     #[test]
     fn excess_has_relative_accuracy_on_both_sides_of_the_series_limit() {
-        // Leading term for tiny z; definition where it does not cancel.
+        // Expected value: leading term for tiny z; otherwise the definition, where it does not cancel.
         let tiny = 1e-5f64;
         assert!((tiny.atanh_excess() / (tiny.powi(3) / 3.0) - 1.0).abs() < 1e-9);
         for z in [0.1799f64, 0.1801, 0.5, -0.9] {

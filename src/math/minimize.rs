@@ -15,9 +15,9 @@ pub struct Search {
     pub lower: Vec<f64>,
     /// Upper bound of each variable.
     pub upper: Vec<f64>,
-    /// First distance between sample points, relative to each variable's range; at most one half.
+    /// Initial distance between sample points, relative to each variable's range; at most one half.
     pub step: f64,
-    /// Final distance between points, as a share of each range.
+    /// Final distance between sample points, relative to each variable's range.
     pub tolerance: f64,
     /// Largest number of evaluations; more than `2n + 1`.
     pub most: usize,
@@ -40,7 +40,7 @@ pub enum End {
     Stopped,
 }
 
-/// Number of initial sample points of a search in that many variables.
+/// Number `2n + 1` of initial sample points of a search in `n` variables.
 pub fn beginnings(variables: usize) -> usize {
     2 * variables + 1
 }
@@ -68,7 +68,7 @@ impl Search {
     fn point(&self, unit: &[f64]) -> Vec<f64> {
         let between = |(k, share): (usize, &f64)| {
             let (low, high) = (self.lower[k], self.upper[k]);
-            // Exact at both ends.
+            // This form gives the bounds exactly for shares of 0 and 1.
             (low * (1.0 - share) + high * share).clamp(low, high)
         };
         unit.iter().enumerate().map(between).collect()
@@ -79,7 +79,7 @@ impl Search {
         let mut config = Config::new(n);
         (config.rho_begin, config.rho_end, config.max_fun) = (self.step, self.tolerance, most);
         config.f_target = target.unwrap_or(STOP);
-        // In one variable the reference's test for a repair is decided by round-off.
+        // With one variable, round-off would decide PRIMA's test for replacing a sample point.
         config.prima_parity = n > 1;
         let share = |k: usize| (self.start[k] - self.lower[k]) / (self.upper[k] - self.lower[k]);
         let mut unit: Vec<f64> = (0..n).map(|k| share(k).clamp(0.0, 1.0)).collect();
@@ -106,7 +106,7 @@ impl Search {
     }
 }
 
-/// Value below all others, whose return ends a search.
+/// Value below all others: the search ends when the function returns it.
 const STOP: f64 = f64::MIN;
 
 #[cfg(test)]
@@ -145,13 +145,13 @@ mod tests {
     fn known_minima_are_found() {
         let (best, value, end, _) = solve(&search(&[-1.2, 1.0], &[-2.0, -2.0], &[2.0, 2.0]), rosenbrock);
         assert!(near(&best, &[1.0, 1.0], 1e-6) && value < 1e-12 && end == End::Converged, "{best:?} {value} {end:?}");
-        // In one variable, and of very different sizes.
+        // One variable; then variables of very different size.
         let (best, ..) = solve(&search(&[0.2], &[0.0], &[1.0]), |x| (x[0] - 0.7).powi(2));
         assert!(near(&best, &[0.7], 1e-7), "{best:?}");
         let f = |x: &[f64]| (x[0] / 2.1e11 - 1.0).powi(2) + (x[1] - 0.3).powi(2);
         let (best, ..) = solve(&search(&[1e11, 0.1], &[1e10, 0.0], &[1e12, 0.49]), f);
         assert!(near(&best, &[2.1e11, 0.3], 1e5), "{best:?}");
-        // On a bound, exactly.
+        // Minimum exactly on a bound.
         let (best, ..) = solve(&search(&[0.5, 0.5], &[0.0, 0.25], &[1.0, 1.0]), |x| (x[0] + 1.0).powi(2) + x[1]);
         assert_eq!(best, [0.0, 0.25]);
     }

@@ -1,4 +1,4 @@
-//! Floor 0: numbers that are computed together, sizes of vectors, symmetric tensors, parameter descriptions, threads, and every tolerance.
+//! Floor 0: SIMD lanes, vector norms, symmetric tensors, parameter descriptions, signals, minimization, threads, and every tolerance.
 
 pub mod catalogue;
 pub mod curves;

@@ -1,9 +1,9 @@
-//! Sizes of vectors.
+//! Norms of vectors.
 
-/// Number of independent comparisons, which avoid a dependency of each comparison on the previous one.
+/// Number of partial maxima that are computed independently, so that a comparison does not wait for the one before it.
 const SIDE_BY_SIDE: usize = 8;
 
-/// Largest absolute value of a component, at least 0; NaN components are ignored.
+/// Maximum norm: largest absolute value of a component, at least 0; NaN components are ignored.
 pub fn largest_size(values: &[f64]) -> f64 {
     let mut largest = [0.0f64; SIDE_BY_SIDE];
     let (groups, rest) = values.as_chunks::<SIDE_BY_SIDE>();
@@ -16,17 +16,17 @@ pub fn largest_size(values: &[f64]) -> f64 {
     largest.iter().chain(rest).fold(0.0, |largest, value| largest.max(value.abs()))
 }
 
-/// The sum of the sizes of all components.
+/// Sum norm: sum of the absolute values of all components.
 pub fn sum_of_sizes(values: &[f64]) -> f64 {
     values.iter().map(|value| value.abs()).sum()
 }
 
-/// The length of a vector.
+/// Euclidean length of a vector in space.
 pub fn length(vector: [f64; 3]) -> f64 {
     vector.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
-/// The largest extent of points along an axis.
+/// Largest side of the axis-parallel bounding box of points.
 pub fn largest_extent<'a>(points: impl Iterator<Item = &'a [f64; 3]> + Clone) -> f64 {
     let along = |i: usize| {
         let ends = points.clone().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x[i]), high.max(x[i])]);

@@ -7,7 +7,7 @@ use super::tolerances::DIAGONAL;
 /// Largest number of Jacobi sweeps; 3 x 3 matrices need four.
 const SWEEPS: usize = 8;
 
-/// Principal values of a symmetric tensor and their directions, row by row.
+/// Principal values of a symmetric tensor and the principal directions as matrix rows.
 pub(crate) struct PrincipalAxes<const FMA: bool> {
     pub(crate) values: [Lanes<FMA>; 3],
     pub(crate) directions: [[Lanes<FMA>; 3]; 3],

@@ -15,7 +15,7 @@ pub fn fourier(values: &[f64]) -> Vec<[f64; 2]> {
     if n.is_power_of_two() {
         transform(&mut signal);
     } else {
-        // The angle of j^2/2 turns, whole turns taken out so that it is exact for long signals.
+        // The angle of `j^2/2` turns. Whole turns are removed by integer arithmetic, so that the angle is exact for long signals.
         let chirp = |j: usize| turned(-0.5 * ((j as u128 * j as u128) % (2 * n as u128)) as f64 / n as f64);
         let length = (2 * n - 1).next_power_of_two();
         let (mut a, mut b) = (vec![[0.0; 2]; length], vec![[0.0; 2]; length]);
@@ -26,7 +26,7 @@ pub fn fourier(values: &[f64]) -> Vec<[f64; 2]> {
         }
         transform(&mut a);
         transform(&mut b);
-        // The inverse transform is that of the conjugate.
+        // The inverse transform is the conjugate of the transform of the conjugate.
         a.iter_mut().zip(&b).for_each(|(a, b)| *a = conjugate(times(*a, *b)));
         transform(&mut a);
         let size = length as f64;
@@ -77,8 +77,9 @@ fn transform(x: &mut [[f64; 2]]) {
     }
 }
 
-/// Values at equal distances `dt` of time in seconds, filtered with the channel frequency class `class` in hertz of SAE J211-1 and
-/// ISO 6487: a Butterworth filter of second order, forward and backward, so that phases stay. Both ends are continued by point reflection.
+/// Filters values at the constant time increment `dt` `[s]` with the channel frequency class `class` `[Hz]` of SAE J211-1 and ISO 6487: a
+/// Butterworth filter of second order, run forward and backward so that no phase shift remains. The signal is continued beyond both ends by
+/// point reflection.
 pub fn channel_filter(values: &[f64], dt: f64, class: f64) -> Vec<f64> {
     let n = values.len();
     if n < 2 {
@@ -88,7 +89,7 @@ pub fn channel_filter(values: &[f64], dt: f64, class: f64) -> Vec<f64> {
     let square = angle * angle;
     let whole = 1.0 + SQRT_2 * angle + square;
     let (a, b) = (square / whole, [-2.0 * (square - 1.0) / whole, (-1.0 + SQRT_2 * angle - square) / whole]);
-    // The response of the filter to its start decays within about a period of its frequency.
+    // The transient at the start of the filter decays within about one period of its frequency.
     let margin = ((PERIODS / (class * dt)).ceil() as usize).clamp(1, n - 1);
     let before = (1..=margin).rev().map(|k| 2.0 * values[0] - values[k]);
     let after = (1..=margin).map(|k| 2.0 * values[n - 1] - values[n - 1 - k]);
@@ -106,13 +107,13 @@ pub fn channel_filter(values: &[f64], dt: f64, class: f64) -> Vec<f64> {
     signal[margin..margin + n].to_vec()
 }
 
-/// Frequency of each of the two filters over the class: together both have the attenuation of 3 dB at 1.65 times the class.
+/// Cut-off frequency of each filter pass over the channel frequency class: both passes together attenuate by 3 dB at 1.65 times the class.
 const RATIO: f64 = 2.0775;
 
-/// Length of the continuation of a signal in periods of the class.
+/// Length of the continuation of a signal beyond each end, in periods of the class frequency.
 const PERIODS: f64 = 2.0;
 
-/// Value below which a part `share` (0 to 1) of ascending numbers is, linear between them.
+/// Percentile: value below which the fraction `share` (0 to 1) of the ascending numbers lies, linear between neighboring numbers.
 pub fn percentile(ascending: &[f64], share: f64) -> f64 {
     let Some(last) = ascending.len().checked_sub(1) else { return f64::NAN };
     let place = share * last as f64;
@@ -121,7 +122,7 @@ pub fn percentile(ascending: &[f64], share: f64) -> f64 {
     if part == 0.0 { ascending[low] } else { ascending[low] * (1.0 - part) + ascending[low + 1] * part }
 }
 
-/// Value at `x` of the line through points with ascending `xs`; beyond the ends the value at the end.
+/// Piecewise linear interpolation at `x` through points with ascending `xs`; constant beyond the first and last point.
 pub fn interpolated(x: f64, xs: &[f64], ys: &[f64]) -> f64 {
     let above = xs.partition_point(|known| *known <= x);
     match above {

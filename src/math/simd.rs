@@ -34,7 +34,7 @@ impl<K: Kernel> NullaryFnOnce for WithFma<K> {
 pub fn instructions() -> String {
     #[cfg(target_arch = "x86_64")]
     {
-        // The library behind the fallback of the linear solver also uses AVX-512 if available.
+        // faer, the fallback of the linear solver, also uses AVX-512 if available.
         let wide = std::arch::is_x86_feature_detected!("avx512f");
         let known = [(pulp::x86::V3::try_new().is_some(), "AVX2 and FMA"), (wide, "AVX-512")];
         let found: Vec<&str> = known.into_iter().filter(|(there, _)| *there).map(|(_, name)| name).collect();

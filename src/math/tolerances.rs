@@ -14,18 +14,18 @@ pub use surfaces::*;
 /// round-off (1e-16) and a hundred times below the admissible defect of 1e-11 per step.
 pub const NEWTON_ENERGY: f64 = 1e-13;
 
-/// Factor of [`NEWTON_ENERGY`] in a step after the accumulated defect has reached [`DEFECT`]: the sum of a million such steps remains far
-/// below that limit.
+/// Factor of [`NEWTON_ENERGY`] in a step after the accumulated defect has reached [`DEFECT`]: a million such steps add far less.
 pub const EXACT: f64 = 1e-6;
 
-/// Default error tolerance of adaptive steps: growth of the error relative to the path of the bodies, just visible in a picture.
+/// Default tolerance of adaptive steps: growth of the position error in a step, relative to the length of the bodies' paths. An error of
+/// this size is just visible in a picture.
 pub const STEP_ERROR: f64 = 1e-3;
 
-/// Relative error growth in a step caused by round-off and Newton's tolerance alone.
+/// Growth of the relative position error in a step that round-off and Newton's tolerance cause alone.
 pub const STILL: f64 = 1e-12;
 
-/// Error of the positions in a step, relative to the largest coordinate, that is round-off if contacts or rigid bodies depend on positions:
-/// third differences of a body at rest by friction reach 1e-14.
+/// Position error of a step, relative to the largest coordinate, that is round-off in models with contacts or rigid bodies: third
+/// differences of a body held at rest by friction reach 1e-14.
 pub const STILL_AT: f64 = 1e-13;
 
 /// Default of the smallest adaptive step, relative to the first step: resolving an impact to this accuracy costs some twenty refused steps.
@@ -35,8 +35,7 @@ pub const SMALLEST_STEP: f64 = 1e-6;
 /// momentum defect of 5e-12 of the momentum that belongs to its energy.
 pub const NEWTON_MOMENTUM: f64 = 0.01;
 
-/// Relative force residual below which the energy criterion alone decides convergence: a guard against a residual that is orthogonal to the
-/// increment by chance.
+/// Relative force residual below which energy alone decides convergence: guards against a residual orthogonal to the increment.
 pub const NEWTON_FORCE: f64 = 1e-7;
 
 /// Energy criterion of Newton's method for intermediate equilibria.
@@ -45,50 +44,48 @@ pub const ON_THE_WAY: f64 = 1e-8;
 /// Round-off floor of the force residual, relative to stiffness times size: a body at rest must converge, too.
 pub const FORCE_FLOOR: f64 = 1e-14;
 
-/// Unbalanced force at rest that `settle` accepts, for a connected component relative to the sum of the forces on it, for a node relative
-/// to the largest of these forces: ten times below the required 1e-10.
+/// Unbalanced force that `settle` (damped motion to an equilibrium) accepts at rest, for a connected component relative to the sum of the
+/// forces on it, for a node relative to the largest of these forces: ten times below the required 1e-10.
 pub const BALANCE: f64 = 1e-11;
 
 /// Relative difference of the accelerations of two bodies below which they count as equal (free fall): round-off of sums over many nodes.
 pub const ALIKE: f64 = 1e-9;
 
-/// Stiffness of supports in a rigid motion, relative to their largest stiffness, below which the motion is free: round-off of node
-/// positions.
+/// Stiffness of the supports against a rigid motion, relative to their largest stiffness, below which this motion counts as free.
 pub const HELD: f64 = 1e-10;
 
-/// Relative component of a vector outside of the span of a basis that is round-off: the operator is accurate to about 1e-14.
+/// Component of a vector orthogonal to the Lanczos basis, relative to the vector, that is round-off: the operator has errors of 1e-14.
 pub const LANCZOS_DEPENDENT: f64 = 1e-11;
 
-/// Residual of a vibration mode relative to its eigenvalue of the inverse operator; the frequency is accurate to the square.
+/// Residual of a vibration mode relative to its eigenvalue of the inverse operator; the frequency error is of the order of its square.
 pub const MODE_RESIDUAL: f64 = 1e-8;
 
-/// Relative distance above the last load factor at which the factors below are counted: above round-off, below the next factor.
+/// Relative distance above the last buckling load factor found, at which the inertia of the stiffness counts the factors below: above
+/// round-off, below the next factor.
 pub const COUNTED_BEYOND: f64 = 1e-4;
 
-/// Distance of two eigenvalues, relative to their distance from the shift, below which round-off affects counts between them.
+/// Distance of two eigenvalues, relative to their distance from the shift, below which counts of eigenvalues between them are unreliable.
 pub const MODE_GAP: f64 = 1e-7;
 
 /// Shift of the eigenvalue problem, relative to the squared wave frequency of the slowest component: far below the first vibration except
 /// of very slender bodies, far above round-off of rigid motions.
 pub const MODE_SHIFT: f64 = 1e-3;
 
-/// Effective mass of a mode, relative to the mass of the model, that is reported as zero: the square of the round-off of a sum, with a
-/// margin for large models.
+/// Effective mass of a mode, relative to the mass of the model, that is reported as zero. It is the square of a sum whose round-off is
+/// 1e-16 to 1e-14, with a margin for large models.
 pub const EFFECTIVE_MASS: f64 = 1e-12;
 
-/// Round-off of an eigenvalue, relative to the largest ratio of stiffness to mass of an unknown: smaller eigenvalues are set to zero.
+/// Round-off of an eigenvalue, relative to the largest ratio of a diagonal stiffness entry to its mass; smaller values are set to zero.
 pub const MODE_FLOOR: f64 = 1e-14;
 
-/// Fraction of the load increment for difference quotients with respect to the load: most loads are linear, and small fractions amplify
-/// round-off.
+/// Fraction of the load increment for difference quotients: most loads are linear, and smaller fractions amplify round-off.
 pub const LOAD_DIFFERENCE: f64 = 1e-3;
 
-/// Residual of an equilibrium on a path relative to the largest force: a tenth of the tolerance of `settle`. A correction below this share
-/// of the displacements is negligible.
+/// Residual of an equilibrium on a load path, relative to the largest force: a tenth of the tolerance `BALANCE` of a damped relaxation. A
+/// correction below this fraction of the displacements is negligible.
 pub const PATH: f64 = 1e-12;
 
-/// Relative residual of an equilibrium on a path that is accepted when a correction no longer halves it: round-off of stiff cells with
-/// small strain.
+/// Relative residual at which an equilibrium on a load path is accepted if corrections no longer halve it: round-off of stiff cells.
 pub const PATH_STUCK: f64 = 1e-8;
 
 /// Relative asymmetry of a stiffness matrix that exceeds round-off and indicates follower loads.
@@ -100,34 +97,35 @@ pub const GAP: f64 = 1e-12;
 /// Round-off floor of the weighted gap, relative to the largest coordinate times the facet size: a few units in the last place.
 pub const GAP_FLOOR: f64 = 2e-15;
 
-/// Distance from the axis of revolution, relative to the largest coordinate, below which a node is moved onto it: round-off of rotated or
-/// translated meshes, far below any intended facet.
+/// Distance from the axis of revolution, relative to the largest coordinate, below which a node is moved onto the axis: round-off of
+/// rotated or translated meshes, far below any intended facet.
 pub const AXIS: f64 = 1e-12;
 
-/// Distance in shortest secondary facets below which a node on the axis of revolution counts as touching: no force would close its weighted
-/// gap.
+/// Distance, in shortest secondary facets, below which a node on the axis of revolution counts as touching: its weight is zero, so that no
+/// contact force could close its weighted gap.
 pub const TOUCHES_ON_AXIS: f64 = 1e-3;
 
 /// Weighted gap at the start of a step that counts as closed for the `persistency` rule, relative to the square of the shortest secondary
-/// facet: well above Newton's gap tolerance, since nodes would be excluded permanently otherwise; a thousand times below visible gaps.
+/// facet. Well above Newton's gap tolerance: a node that the last step closed up to this tolerance must not count as open, since the rule
+/// would exclude it from then on. A thousand times below visible gaps.
 pub const CLOSED: f64 = 1e-9;
 
-/// Relative strain increment below which the correction of the discrete gradient is dropped: there it is 1e-16 of the stress, and its
-/// derivative a quotient of two round-off values.
+/// Relative strain increment below which the correction term of the discrete gradient is dropped: the correction is then 1e-16 of the
+/// stress, and its derivative a quotient of two round-off values.
 pub const STRAIN_INCREMENT: f64 = 1e-8;
 
-/// Strain increment |dE| above which the energy quotient is accurate; below it a five-point Lobatto rule is exact to round-off.
+/// Strain increment `|dE|` above which the difference quotient of the energy is accurate; below it, a five-point Lobatto rule replaces the
+/// quotient and is exact to round-off.
 pub const STRAIN_QUOTIENT: f64 = 5e-3;
 
-/// Change of the mean volume ratio above which the energy quotient is used for an energy whose slope has kinks. At this size, the root of
-/// 1e-16, round-off of the quotient equals the quadrature error at a kink.
+/// Change of the mean volume ratio above which a difference quotient of the energy is used for energies with kinks in their slope. At this
+/// size, the square root of 1e-16, the round-off of the quotient equals the quadrature error at a kink.
 pub const KINK_QUOTIENT: f64 = 1e-8;
 
-/// Change of the thickness strain at which its Newton iteration ends: convergence is quadratic.
+/// Change of the thickness strain of plane stress at which its Newton iteration ends; convergence is quadratic.
 pub const THICKNESS_STRAIN: f64 = 1e-10;
 
-/// Change of a contact pair's invariants, relative to the invariants, below which the correction of the discrete gradient may be under
-/// round-off.
+/// Change of the invariants of a facet pair, relative to these, below which the correction of the discrete gradient may be round-off.
 pub const INVARIANT_INCREMENT: f64 = 1e-5;
 
 /// Increment of a contact element without its rigid part, relative to the size of the element, below which the correction of the projected
@@ -135,35 +133,35 @@ pub const INVARIANT_INCREMENT: f64 = 1e-5;
 /// Newton's method.
 pub const PROJECTED_INCREMENT: f64 = 1e-7;
 
-/// Relative change of a gas volume in a step above which the slope of the mean pressure is a difference quotient, with relative round-off
-/// 1e-16/1e-5. Below, the slope in the middle of the step is used, with an error of the square of the change.
+/// Relative change of a gas volume in a step above which the derivative of the mean pressure is a difference quotient, with a relative
+/// round-off of 1e-16/1e-5. Below, the derivative at mid-step is used, with an error of the order of the squared change.
 pub const VOLUME_CHANGE: f64 = 1e-5;
 
-/// Round-off of differences of positions, relative to these. Between sticking surfaces invariants hardly change, and a remainder caused by
-/// their round-off is ignored.
+/// Round-off of differences of positions, relative to the positions. Invariants of sticking surfaces hardly change, and a remainder of the
+/// discrete gradient of this size is ignored.
 pub const POSITION: f64 = 4e-16;
 
-/// Remainder of a discrete gradient, relative to its terms, that is round-off. In increments where a smooth function's remainder is
-/// round-off, too, only larger remainders, those of kinks, are corrected.
+/// Remainder of a discrete gradient, relative to its terms, that is round-off. In increments so small that the remainder of a smooth
+/// function is round-off, only larger remainders, which kinks cause, are corrected.
 pub const REMAINDER: f64 = 4e-15;
 
-/// Curvature of an obstacle's distance along an edge, as deviation from linear over the edge length, below which no interior point is
-/// deepest: the edge is parallel to a cylinder or cone, and its end nodes suffice.
+/// Curvature of an obstacle's distance along an edge, as the deviation from a linear function over the edge length, below which no interior
+/// point of the edge is deepest: the edge is parallel to a cylinder or cone, and constraints at its end nodes suffice.
 pub const LIES_ALONG: f64 = 1e-6;
 
 /// Distance of a primary from a secondary node, in secondary facets, within which they count as aligned: a thousand times the distance due
 /// to round-off and elastic waves in matching meshes before an impact.
 pub const ALIGNED: f64 = 1e-4;
 
-/// Fraction of a facet by which a node may lie beyond the end of a chain and still face it: nodes of bodies with flush ends, after their
-/// deformation.
+/// Distance beyond the end of a chain of facets, in facet lengths, at which a node still counts as opposite the end facet: nodes of bodies
+/// with flush ends after deformation.
 pub const CHAIN_END: f64 = 1e-6;
 
 /// Smallest extent of a primary facet in the secondary coordinate for which the two count as facing each other.
 pub const FACING: f64 = 1e-6;
 
-/// Projected area of a triangle of a facet in space along the normal of the opposite facet, over the area of a triangle of that facet,
-/// below which the two do not face each other.
+/// Projected area of a triangle of a space facet along the normal of the opposite facet, relative to the triangle's area, below which the
+/// two facets do not face each other.
 pub const FACING_AREA: f64 = 1e-9;
 
 /// Width of the zone near coincident edges of two facets in space, in heights of a triangle, in which the contact force passes gradually
@@ -174,15 +172,16 @@ pub const EDGES_MEET: f64 = 0.01;
 /// degrees on a flat side -0.2; gaps between nearly perpendicular facets are steep and meaningless.
 pub const OPPOSITE: f64 = -0.1;
 
-/// Gap in shortest secondary facets above which a newly overlapping facet pair makes the gradient jump too far for Newton's method. With
-/// half a facet, piles of bodies found no solution; flush bodies and curved facets have gaps of a hundredth.
+/// Gap, in shortest secondary facets, above which a facet pair that begins to overlap changes the constraint gradient too abruptly for
+/// Newton's method. With half a facet, steps with piles of bodies found no solution; flush bodies and curved facets have gaps of a
+/// hundredth of a facet.
 pub const FAR_SLIVER: f64 = 0.05;
 
 /// Cosine of the angle between two facets of a surface above which their common node has one normal: up to 45 degrees, an octagon's.
 pub const SMOOTH: f64 = 0.7;
 
-/// Cosine of the angle between the normals of a secondary node and a primary facet above which both point the same way and cannot touch:
-/// facing facets have -1, the sharpest corners approach 0.
+/// Cosine of the angle between the normals of a secondary node and a primary facet above which both sides face the same way and cannot
+/// touch: facing facets have -1, the sharpest corners approach 0.
 pub const SAME_WAY: f64 = 0.5;
 
 /// Sliding distance of two surfaces within a step, in secondary facets, above which the step is halved beforehand. Larger steps skip
@@ -191,66 +190,66 @@ pub const SAME_WAY: f64 = 0.5;
 pub const SLIDING: f64 = 0.9;
 
 /// Predicted penetration of an open node within a step of the persistency rule, in secondary facets, above which the step is halved
-/// beforehand: this penetration would persist.
+/// beforehand, because this rule keeps an existing penetration.
 pub const APPROACH: f64 = 0.08;
 
 /// Depth of a node behind the other side in a converged step of the persistency rule, in secondary facets, above which the step is undone.
 /// Larger than [`APPROACH`], since elastic motion is not predicted and an undone step has cost all its iterations.
 pub const CAME_THROUGH: f64 = 0.09;
 
-/// Growth of a node's penetration within a step of the persistency rule, in secondary facets, above which a step beyond [`CAME_THROUGH`]
-/// is undone. Halved steps would not stop slower growth.
+/// Growth of a node's penetration within a step of the persistency rule, in secondary facets, above which a step that exceeds
+/// [`CAME_THROUGH`] is undone. Slower growth would continue in halved steps.
 pub const SUNK_DEEPER: f64 = 0.03;
 
 /// Change of a node's distance from a rigid disk or polyline within a step, in facet lengths, above which the step is halved beforehand:
 /// beyond the obstacle the contact force would have the wrong direction or be missing.
 pub const PASSING: f64 = 1.0;
 
-/// Motion of a node in a step, in shortest secondary facets, up to which its path may cross a rigid obstacle, as at a sharp corner.
+/// Path of a node in a step, in shortest secondary facets, up to which it may cross a rigid obstacle, for example at a sharp corner.
 pub const CROSSING: f64 = 0.1;
 
-/// Overlap of a corner, in shortest secondary facets, that its own constraint admits: half of the penetration allowed for a sharp corner,
-/// far above the gaps of weighted constraints on flat surfaces.
+/// Penetration of a corner node, in shortest secondary facets, that its own constraint admits: half of the penetration documented for a
+/// sharp corner, far above the nodal penetration that weighted constraints leave on flat surfaces.
 pub const CORNER_SLACK: f64 = 0.02;
 
 /// Penetration in shortest secondary facets above which a run reports it: the documented limit of a tenth of a facet.
 pub const DEPTH: f64 = 0.1;
 
-/// Fraction of a facet by which a node is moved out of its body before the test for being inside another body or another part of its own:
-/// far above round-off of positions, far below relevant depths.
+/// Distance, in facets, by which a node is moved outwards before the test whether it lies inside another body or another part of its own
+/// body: far above round-off of positions, far below relevant depths.
 pub const BESIDE: f64 = 1e-6;
 
-/// Penetration at rest, in the longest facets nearby, above which sides without contact force are an error. Contact search covers half a
-/// facet, so that deeper overlaps were overlooked; interlocking polygons and weighted gaps leave a tenth.
+/// Penetration in the initial equilibrium, in the longest facets nearby, above which sides without contact force are an error. Contact
+/// search covers half a facet, so that a deeper overlap had no constraint; interlocking polygons and weighted gaps leave a tenth.
 pub const LEFT: f64 = 0.5;
 
-/// Penetration of a body into the hull of another one, in the shorter facets nearby, that is an error at rest without contact force.
+/// Penetration through the hull of another body, in the shorter facets nearby, that is an initial error without contact force.
 pub const LEFT_PASSED: f64 = 0.25;
 
-/// Penetration at rest, in the longest facets nearby, up to which a positive multiplier excludes an error: active constraints leave less.
+/// Penetration in the initial equilibrium, in the longest facets nearby, up to which a positive multiplier shows that the contact is
+/// resolved: active constraints leave less.
 pub const LEFT_HELD: f64 = 1.0;
 
-/// Rotation of a cell of linear elasticity above which it is reported `[rad]`: its stress error is half of the squared angle, and spurious
-/// strains appear.
+/// Rotation of a cell of linear elasticity `[rad]` above which the cell is reported: half of the squared angle appears as spurious strain.
 pub const TURNED: f64 = 0.1;
 
 /// Stretch of a cell of Saint Venant-Kirchhoff material below which it is reported: the compressive stress decreases below the stretch
 /// `sqrt(1/3) = 0.577`.
 pub const CRUSHED: f64 = 0.6;
 
-/// Jump of a prescribed motion, in extents of the model, above which it is reported: more than round-off.
+/// Jump of a prescribed motion, relative to the extent of the model, above which it is reported: more than round-off.
 pub const JUMP: f64 = 1e-9;
 
-/// Kinetic over strain energy up to which bodies count as being at rest.
+/// Ratio of kinetic to strain energy up to which bodies count as being at rest.
 pub const AT_REST: f64 = 1e-6;
 
-/// Relative estimated stress error at rest above which it is reported. Its square, 6 %, approximates the error of the stiffness.
+/// Estimated relative stress error at rest from which the mesh is reported as coarse: its square, 6 %, is about the stiffness error.
 pub const COARSE: f64 = 0.25;
 
-/// Relative work added by contact in a step above which it is reported: no contact rule adds energy except by round-off.
+/// Work that contact adds in a step, relative to all energy, above which it is reported: no contact rule adds energy except by round-off.
 pub const GIVEN: f64 = 1e-10;
 
-/// Energy defect of a step above which it is reported, in Newton's tolerances: the documented 1e-11 with the default tolerance.
+/// Energy defect of a step, in units of Newton's tolerance, above which it is reported: the documented 1e-11 with the default tolerance.
 pub const DEFECT: f64 = 100.0;
 
 /// Relative energy defect above which a run does not count as conserving: a thousand steps of round-off stay below.
@@ -259,44 +258,44 @@ pub const CONSERVED: f64 = 1e-8;
 /// Energy that counts as zero in any units: round-off of a model at rest.
 pub const NO_ENERGY: f64 = 1e-40;
 
-/// Relative energy of a static step left unexplained by the forces at its ends, above which it is reported: large steps on curved paths
-/// stay below.
+/// Energy change in a static step that the work of the forces at both ends of the step does not explain, relative to all energy, above
+/// which the step is reported as too large.
 pub const LEAP: f64 = 0.05;
 
-/// Energy that contact has dissipated or stores, relative to all energy, above which it is reported: it begins to show in a plot.
+/// Energy that contact has dissipated or stores, relative to all energy, above which it is reported: it is then visible in a plot.
 pub const LOST: f64 = 1e-3;
 
-/// Step halvings per accepted step and cause of failure above which they are reported; fewer have no noticeable cost.
+/// Step halvings per accepted step, for each cause of failure, above which they are reported; fewer have no noticeable cost.
 pub const HALVED: f64 = 0.01;
 
-/// Augmentation of corner constraints in contacts without an augmentation of their own: in initial overlaps corner constraints depend
+/// Augmentation of corner constraints in contacts for which no augmentation is given: in initial overlaps corner constraints depend
 /// linearly on the surface constraints.
 pub const CORNER_AUGMENTATION: f64 = 1e6;
-/// Augmentation of surface constraints in space in contacts without an augmentation of their own: constraints over a small part of a facet
-/// are nearly dependent. Without effect on the convergence of Newton's method.
+/// Augmentation of surface constraints in space in contacts for which no augmentation is given: constraints over a small part of a facet
+/// are nearly linearly dependent. The value has no effect on the convergence of Newton's method.
 pub const SURFACE_AUGMENTATION: f64 = 1e8;
 
-/// Admissible momentum of an impulse of the `velocity` rule, relative to the sum of its nodal momenta: the documented 1e-11 per step.
+/// Admissible resultant momentum of a `velocity` impulse, relative to the sum of its nodal momenta: the documented 1e-11 per step.
 pub const PUSH: f64 = 1e-12;
 
-/// Additional momentum tolerance of the velocity filter, relative to the momenta exchanged by its stiffness: their round-off exceeds that
-/// of velocities in long steps.
+/// Additional momentum tolerance of the velocity filter, relative to the momenta exchanged by the filter's stiffness: in long steps the
+/// round-off of these momenta exceeds that of the velocities.
 pub const FILTER: f64 = 1e-14;
 
-/// Overlap at the end of a step, in shortest secondary facets, of an excluded facet pair above which the step is taken back.
+/// Overlap of an excluded facet pair at the end of a step, in shortest secondary facets, above which the step is repeated with it.
 pub const OVERLOOKED: f64 = 1e-6;
 
-/// Uncovered fraction up to which a facet counts as fully covered. At the rims of a press fit the fraction varies with the gap; a limit at
-/// round-off makes shape functions alternate in `settle`.
+/// Uncovered fraction up to which a facet counts as fully covered. At the rims of a press fit the fraction varies with the gap; with a
+/// limit at round-off the shape functions would alternate between steps of a damped relaxation to equilibrium.
 pub const WHOLE: f64 = 1e-4;
 
-/// Covered share of a secondary node's weight function below which the node is excluded: its constraint would be singular.
+/// Covered fraction of a secondary node's weight function below which the node is excluded: its constraint would be nearly singular.
 pub const SLIVER: f64 = 0.02;
 
 /// Largest nodal increment of one Newton iteration, in shortest secondary facets.
 pub const STEP_LIMIT: f64 = 0.1;
 
-/// Covered share of a secondary node below which the node has no constraint in the iteration (a zero row makes the matrix singular).
+/// Covered fraction of a node's weight function below which an iteration omits its constraint: a zero row makes the matrix singular.
 pub const ZERO_ROW: f64 = 1e-6;
 
 /// Backward error of the linear solve that needs no refinement: three decimal digits above round-off.
@@ -322,15 +321,15 @@ pub const LINEAR_RESIDUAL: f64 = 1e-8;
 /// indicates a numerically singular matrix.
 pub const LINEAR_UNSOLVED: f64 = 1e-3;
 
-/// Relative length below which a near-null vector restricted to an aggregate depends on those before it: a single node has no rotations,
-/// nodes on one line have none about it.
+/// Remaining relative length of a near-null-space vector, orthogonalized on an aggregate of nodes, below which it is dependent there: a
+/// single node has no rotations, nodes on one line have none about this line.
 pub const AGGREGATE_DEPENDENT: f64 = 1e-6;
 
-/// Fraction of a tie's offset carried by an interior node, relative to nodal weights, below which it is round-off of positions and the tie
-/// couples the surfaces only.
+/// Share of an interior node in the initial offset of a tie, relative to nodal weights, below which it is round-off of positions and the
+/// tie couples the surface nodes only.
 pub const TIE_OFFSET: f64 = 1e-12;
 
-/// Largest rotation of a boundary in one increment towards an equilibrium `[rad]`.
+/// Largest rotation of a boundary in one increment of the path to an equilibrium `[rad]`.
 pub const EIGHTH_TURN: f64 = std::f64::consts::FRAC_PI_4;
 
 /// Ratio of singular values below which prescribed nodes count as collinear, so that they determine no rotation.
@@ -371,40 +370,40 @@ pub const HELD_ROW: f64 = 1e-8;
 /// Part of the gap tolerance by which an inactive constraint must be violated on the frozen linearisation to become active.
 pub const CLEARLY: f64 = 1e-3;
 
-/// Residual of a damped step of `settle` relative to its largest damping force or to the imbalance that `settle` accepts; in models of
-/// rigid bodies energy is no measure of a residual (8 000 factorizations for five equilibria of a truss).
+/// Residual of a step of `settle` (damped motion to an equilibrium), relative to the largest damping force of the step or to the accepted
+/// imbalance. An energy criterion is no measure of the residual in models of rigid bodies: with it, five equilibria of a truss took 8 000
+/// factorizations.
 pub const REST_STEP: f64 = 1e-2;
 
-/// Least damping of a body in `settle` relative to the stiffness of its slowest elastic motion.
+/// Least damping of a body in a damped relaxation to equilibrium, relative to the stiffness of its slowest elastic motion.
 pub const LEAST_DAMPING: f64 = 1e-8;
 
-/// Least damping `d` of a rigid body in `settle`, in units of `F/(m L)` with its loads `F`, mass `m` and extent `L`. Round-off of the
-/// constraint forces then moves the body by 1e-14 of its size, and penetrations are inaccurate by a hundredth.
+/// Least damping `d` of a rigid body in a damped relaxation to equilibrium, in units of `F/(m L)` with its loads `F`, mass `m` and extent
+/// `L`. Round-off of the constraint forces then moves the body by 1e-14 of its size, and penetrations are inaccurate by a hundredth.
 pub const RIGID_DAMPING: f64 = 1e-2;
 
-/// Motion in a step of `settle`, in facets, below which no further motion is expected.
+/// Displacement in a step of a damped relaxation, in facet lengths, below which the bodies count as being at rest.
 pub const STANDS: f64 = 1e-3;
 
-/// Resultant relative to the sum of forces that counts as balanced in the diagnosis of a failure: far above round-off.
+/// Resultant force, relative to the sum of the force magnitudes, that counts as balanced in a diagnosis: far above round-off.
 pub const EXPLAINED: f64 = 1e-6;
 
-/// Largest non-rigid part of a null vector of a singular system that is described as a rigid motion.
+/// Largest non-rigid part of a null vector, relative to the vector, for which messages describe it as a rigid motion.
 pub const RIGID: f64 = 1e-5;
 
-/// Relative difference below which two values of a finding count as equal, so that the first one is reported independent of round-off.
+/// Relative difference below which two values of a finding count as equal, so that round-off does not decide which place is reported.
 pub const EQUAL: f64 = 1e-6;
 
-/// Deviation of an angle from a multiple of a quarter turn, in quarter turns, below which the angle is that multiple: last bit of a
-/// conversion.
+/// Deviation of an angle from a multiple of a quarter turn, in quarter turns, that is round-off of the conversion from degrees.
 pub const QUARTER_TURN: f64 = 1e-12;
 
 /// Default relative tolerance of `expect_close`.
 pub const CLOSE: f64 = 1e-9;
 
-/// Default relative tolerance between a run and the same run in a moved model: round-off of some hundred steps of a collision.
+/// Default relative tolerance between a run and that of the moved model: round-off of some hundred steps of a collision.
 pub const INVARIANT: f64 = 1e-7;
 
-/// Relative error below which no order of convergence is computed from differences: round-off.
+/// Relative error below which no order of convergence is computed from differences: they are round-off.
 pub const ORDER_ROUND_OFF: f64 = 1e-13;
 
 /// Squared off-diagonal entry, relative to the squared matrix norm, at which Jacobi rotations end: a hundredth of round-off.
@@ -444,12 +443,11 @@ pub const ON_CIRCLE: f64 = 1e-3;
 /// Relative round-off of a sum of a thousand lengths.
 pub const SUM_OF_LENGTHS: f64 = 1e-12;
 
-/// Default resolution of a minimization, relative to the range between bounds: six digits, the accuracy of a simulation with discretization
-/// error.
+/// Default resolution of a minimization, relative to the range between bounds: six digits, as accurate as a simulation.
 pub const MINIMIZED: f64 = 1e-6;
 
-/// Distance of a node of a rigid body from the plane of the other masters, relative to the body size, below which its nodes count as
-/// coplanar: coefficients of masters would exceed the inverse.
+/// Distance of a node of a rigid body from the plane of the other master nodes, relative to the body size, below which the nodes count as
+/// coplanar: coefficients of nodes in the masters would exceed 1e6.
 pub const FLAT_FRAME: f64 = 1e-6;
 
 /// Relative difference of two distances below which two nodes count as equally far, and the lower index becomes master of the rigid body.
@@ -463,10 +461,10 @@ pub const JOINT: f64 = 2e-13;
 /// Distance between the two points of a joint, relative to the model size, above which the joint is refused as open.
 pub const JOINT_APART: f64 = 1e-9;
 
-/// Distance of a point from a node, relative to the cell size, up to which a joint acts on that node.
+/// Distance of a joint's point from a node, relative to the cell size, up to which the joint acts on that node.
 pub const SAME_NODE: f64 = 1e-6;
 
-/// Difference between the initial value of a drive and the coordinate of its joint at rest, relative to the model size or in radians, above
+/// Difference between the initial value of a drive and the present coordinate of its joint, relative to the model size or in radians, above
 /// which the drive would jump.
 pub const DRIVE_AT_REST: f64 = 1e-9;
 
@@ -483,8 +481,8 @@ pub const FASTEST: f64 = 0.005;
 /// hundredth of it.
 pub const SMALL_MOTION: f64 = 1e-7;
 
-/// Unexplained energy, relative to initial energy plus work, at which explicit steps are stopped: near the stable step the energy of the
-/// fastest vibrations oscillates by a factor of some ten.
+/// Energy without a source, relative to initial energy plus work, at which an explicit run is stopped as unstable. Near the stability limit
+/// the energy of the fastest vibrations oscillates by a factor of about ten.
 pub const RAN_AWAY: f64 = 100.0;
 
 /// Residual of a steady vibration in the mass norm, relative to the size of the vibration: a hundredth of the tolerance of comparisons with

@@ -44,14 +44,14 @@ impl Workers {
             let mut idle = 0;
             while !done.load(Ordering::Acquire) {
                 idle = if rayon::yield_now() == Some(Yield::Executed) { 0 } else { idle + 1 };
-                // Yields the processor to other programs from time to time.
+                // An idle thread yields the processor to other programs from time to time.
                 if idle % 64 == 63 { std::thread::yield_now() } else { std::hint::spin_loop() }
             }
         });
         result.into_inner().unwrap_or_else(PoisonError::into_inner).expect("one thread has the number 0")
     }
 
-    /// Calls `work` for every item with its number, in any order, `together` items at a time.
+    /// Calls `work` for every item with its index, in any order; a thread takes `together` consecutive items at a time.
     pub fn for_each<T: Send>(&self, items: &mut [T], together: usize, work: impl Fn(usize, &mut T) + Sync + Send) {
         match &self.pool {
             Some(pool) if items.len() > together => pool.install(|| {

@@ -145,7 +145,7 @@ fn scaled_simplex(corners: &[[f64; 3]]) -> f64 {
 /// Determinant of the tangents at a corner, divided by their lengths.
 fn scaled_at(tangents: [[f64; 3]; 3]) -> f64 {
     let lengths: f64 = tangents.iter().map(|&t| norm(t)).product();
-    // an edge of zero length has no angle
+    // An edge of zero length has no angle; its quality is 0.
     if lengths > 0.0 { determinant(tangents) / lengths } else { 0.0 }
 }
 
@@ -249,7 +249,7 @@ impl Mesh {
             let scaled = match kind.shape() {
                 CellShape::Triangle | CellShape::Tetrahedron => scaled_simplex(&points[..samples.corners.len()]),
                 CellShape::Wedge => scaled_wedge(&points),
-                // the base of a pyramid; at the apex more than three edges meet
+                // Only the base corners of a pyramid count; at the apex more than three edges meet.
                 CellShape::Pyramid => scaled.take(4).fold(f64::INFINITY, f64::min),
                 CellShape::Quadrilateral | CellShape::Hexahedron => scaled.fold(f64::INFINITY, f64::min),
             };
@@ -427,7 +427,7 @@ mod tests {
         let angle = 0.4f64;
         let (s, c) = angle.sin_cos();
         let quality = quad([[0.0, 0.0], [2.0, 0.0], [2.0 + c, s], [c, s]]).quality();
-        // round-off of a handful of operations
+        // The tolerance is the round-off of a few operations.
         assert!((quality.smallest_scaled_jacobian - s).abs() < 1e-15);
         assert!((quality.largest_scaled_jacobian - s).abs() < 1e-15);
         assert!((quality.aspect_ratio - 2.0).abs() < 1e-15);
@@ -437,7 +437,7 @@ mod tests {
 
     #[test]
     fn a_sheared_cube_has_the_determinant_of_its_edges() {
-        // edges (1,0,0), (0,1,0), (1,0,1): determinant 1, lengths 1, 1, sqrt 2
+        // Edges (1,0,0), (0,1,0), (1,0,1) at a corner: determinant 1, lengths 1, 1, sqrt 2.
         let mut mesh = block([1.0; 3], [1; 3], [0.0; 3]).unwrap();
         mesh.points.iter_mut().for_each(|p| p[0] += p[2]);
         let quality = mesh.quality();
@@ -484,7 +484,7 @@ mod tests {
 
     #[test]
     fn one_bad_cell_is_found_where_it_is() {
-        // one corner of the middle cell pulled through the opposite one
+        // One corner of the middle cell is moved beyond the opposite corner.
         let mut mesh = rectangle([3.0, 3.0], [3, 3], [0.0; 2]).unwrap();
         mesh.points[5] = [2.4, 2.4, 0.0];
         let error = mesh.check().unwrap_err();
@@ -496,7 +496,7 @@ mod tests {
     fn a_flat_cell_and_a_triangle_are_told_apart() {
         let flat = quad([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [3.0, 0.0]]);
         assert_eq!(flat.check().unwrap_err().to_string(), "cell 0 at (1.5, 0) has no area: its Jacobian determinant is 0");
-        // an angle of 180 degrees: computable, but of quality 0
+        // Quadrilateral with an angle of 180 degrees, which is valid but of quality 0.
         let triangle = quad([[0.0, 0.0], [1.0, 0.0], [0.5, 0.5], [0.0, 1.0]]);
         assert_eq!(triangle.defects(), []);
         assert_eq!(triangle.quality().smallest_scaled_jacobian, 0.0);
@@ -512,7 +512,7 @@ mod tests {
         mesh.points.push([0.0, 5.0, 0.0]);
         assert_eq!(mesh.defects(), [MeshError::UnusedNodes { count: 1, node: 6 }]);
         mesh.points.extend([[1.5, 2.0, 0.0], [0.5, 2.0, 0.0]]);
-        // a third cell on the facet between the two
+        // A third cell is added on the facet between the two cells.
         mesh.blocks[0].connectivity.extend([4, 1, 7, 8]);
         assert!(mesh.defects().iter().any(|d| matches!(d, MeshError::CrowdedFacet { sharing: 3, cell: 0, .. })));
         mesh.blocks[0].connectivity[2] = 99;

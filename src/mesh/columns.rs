@@ -45,7 +45,8 @@ impl From<MeshError> for Trouble {
     }
 }
 
-/// Layers along all pieces of the rim with one of their names. A stack of cells is on half a piece if `halves` is 2, otherwise on a piece.
+/// Layers along all segments of the rim that belong to a layered boundary. Each rim segment carries one stack of cells, or two if `halves`
+/// is 2.
 ///
 /// # Errors
 /// Layers that leave no room, corners that are too sharp, an odd number of layers that end within the body of quadrilaterals.
@@ -133,7 +134,7 @@ impl LayerBuilder<'_> {
             return Ok(());
         };
         let turned: Vec<usize> = (0..pieces.len()).map(|k| pieces[(start + k) % pieces.len()]).collect();
-        // stretches with layers and the gaps after them, alternately
+        // Stretches with layers and the gaps that follow them, alternately.
         let stretches: Vec<&[usize]> = turned.chunk_by(|a, b| is_layered(*a) == is_layered(*b)).collect();
         let mut gaps: Vec<Vec<CurveSegment>> =
             stretches.chunks(2).map(|pair| pair[1].iter().map(|&piece| self.rim.pieces[piece]).collect()).collect();
@@ -143,7 +144,7 @@ impl LayerBuilder<'_> {
             let before = (number + gaps.len() - 1) % gaps.len();
             let last = base.len() - 1;
             let start = self.end(&mut gaps[before], base[0], minus(base[1], base[0]), |point| point)?;
-            // backwards the body is on the right; a reflection in the x axis moves it to the left
+            // When traversed backwards the body is on the right; a reflection in the x axis moves it to the left.
             let mut behind: Vec<CurveSegment> = gaps[number].iter().rev().map(|&(curve, [from, to])| (curve, [to, from])).collect();
             let end = self.end(&mut behind, base[last], minus(base[last - 1], base[last]), |[x, y]| [x, -y])?;
             gaps[number] = behind.into_iter().rev().map(|(curve, [from, to])| (curve, [to, from])).collect();
@@ -157,7 +158,7 @@ impl LayerBuilder<'_> {
         Ok(())
     }
 
-    /// Foot points of columns on consecutive rim segments, with the end of the last one.
+    /// Foot points of the columns on consecutive rim segments, including the end point of the last segment.
     fn base(&self, pieces: &[usize]) -> Vec<Point> {
         let rim = self.rim;
         let mut base = Vec::new();
@@ -172,7 +173,7 @@ impl LayerBuilder<'_> {
         base
     }
 
-    /// Pieces of curves at the feet of stacks.
+    /// Curve segments below the stacks of cells, one per stack.
     fn stands(&self, pieces: &[usize]) -> Vec<CurveSegment> {
         let halves = self.halves as f64;
         let part = |piece: &usize| {
@@ -203,7 +204,7 @@ impl LayerBuilder<'_> {
             let column = self.levels.iter().map(|level| seen([0, 1].map(|i| here[i] + level * normal[i])));
             return Ok(End { column: column.collect(), along: None });
         }
-        // backwards along the curve, as far as it extends in this gap
+        // Follow the curve backwards from the end of the gap, as far as the curve extends there.
         let own = gap.iter().rev().take_while(|piece| piece.0 == curve);
         let far = own.map(|piece| piece.1[0]).last().unwrap_or(from);
         let height = |t: f64| dot(normal, minus(seen(self.rim.curves[curve].at(t)), here));
@@ -230,7 +231,7 @@ impl LayerBuilder<'_> {
 
     fn closed(&self, pieces: &[usize]) -> Result<Strip, Trouble> {
         let count = pieces.len();
-        // begins at a corner if there is one, so that stretches between corners are not divided
+        // The strip of a closed loop begins at a corner if there is one, so that no stretch between corners is divided.
         let is_corner = |k: usize| {
             let before = pieces[(k + count - 1) % count];
             self.rim.pieces[before].0 != self.rim.pieces[pieces[k]].0 && {
@@ -255,7 +256,7 @@ impl LayerBuilder<'_> {
         Strip { columns, nodes, pieces: self.stands(pieces), along, is_closed }
     }
 
-    /// Columns on a stretch with given end columns; a stretch without ends is closed.
+    /// Columns on a stretch of the rim with given end columns; without end columns the stretch is a closed loop.
     fn columns(&self, base: &[Point], stands: &[CurveSegment], ends: Option<[Vec<Point>; 2]>) -> Result<Vec<Vec<Point>>, Trouble> {
         let (count, thickness) = (base.len() - 1, self.levels[self.levels.len() - 1]);
         let ahead: Vec<Point> = base.windows(2).map(|pair| unit(minus(pair[1], pair[0]))).collect();
@@ -264,7 +265,8 @@ impl LayerBuilder<'_> {
         let before = |column: usize| (column + count - 1) % count;
         let turned = |column: usize| if is_end(column) { 0.0 } else { turn(ahead[before(column)], ahead[column % count]) };
         let is_corner = |column: usize| stands[before(column)].0 != stands[column % count].0 && turned(column).abs() > CORNER;
-        // shifts at both ends of each stretch between corners, over the thickness, positive if the stretch becomes shorter
+        // Inclinations of the columns at both ends of each stretch between corners, relative to the thickness; positive if the stretch
+        // becomes shorter inwards.
         let breaks: Vec<usize> = (0..=count).filter(|&column| column == 0 || column == count || is_corner(column)).collect();
         let mut leaning = vec![0.0; count + 1];
         for pair in breaks.windows(2) {
@@ -349,8 +351,8 @@ impl Lines {
     }
 }
 
-/// Cuts the end of a gap at a parameter of its last curve; a short rest of a segment is added to its neighbor. Returns `None` if nothing of
-/// the gap is left.
+/// Cuts the end of a gap at a parameter of its last curve; a short remaining part of a segment is added to the neighboring segment. Returns
+/// `None` if nothing of the gap remains.
 fn shorten(gap: &mut Vec<CurveSegment>, at: f64) -> Option<()> {
     loop {
         let &(curve, [from, to]) = gap.last()?;
@@ -397,7 +399,8 @@ mod tests {
             let ends: Vec<Vec<u32>> = boundary.facets.iter().map(|&facet| mesh.facet_nodes(facet).collect()).collect();
             assert!(ends.windows(2).all(|pair| pair[0][1] == pair[1][0]), "traversed with the body on the left");
         }
-        // Gauss: half the integral of x dy - y dx, of a parabola a + b + 4 c sixths of the chords' cross products
+        // Gauss' theorem: the area is half the integral of x dy - y dx. A parabola through the points a, c, b contributes chord products as
+        // in Simpson's rule with weights 1, 4, 1.
         let bounded: f64 = named
             .iter()
             .map(|&facet| {
@@ -458,7 +461,7 @@ mod tests {
                 }
             }
         }
-        // three layers end within the body
+        // Three layers end within the body: an odd number, which quadrilaterals do not allow.
         let odd = |kind| layered_polygon(kind, &square, &[], 0.1, &names, Some(&layers(&["step"], 0.01, 3, 1.3)));
         assert!(matches!(odd(CellKind::Quad4), Err(MeshError::OddLayers { count: 3, .. })));
         is_whole(&odd(CellKind::Tri6).unwrap());
@@ -511,7 +514,7 @@ mod tests {
                 let (sine, cosine) = (TAU * (k % corners) as f64 / corners as f64).sin_cos();
                 [radii[k % corners] * cosine, radii[k % corners] * sine]
             };
-            // straight sides and arcs in turn
+            // Outline of straight sides with an arc as every third side.
             let outline: Vec<Side> = (0..corners).map(|k| {
                 let (from, to) = (at(k), at(k + 1));
                 let out = [0, 1].map(|i| 0.55 * (from[i] + to[i]));

@@ -162,7 +162,7 @@ mod tests {
                     assert_eq!(mesh.boundaries.len(), make(n).boundaries.len());
                     (mesh.measure() - area).abs() / area
                 });
-                // half the size: a quarter of the error with chords, a sixteenth with parabolas
+                // Halving the cell size reduces the error of chords to a quarter, that of parabolas to a sixteenth.
                 let rate = (errors[0] / errors[1]).log2();
                 let expected = if kind.is_quadratic() { 4.0 } else { 2.0 };
                 assert!((rate - expected).abs() < 0.2, "{name} {kind:?}: {errors:?}, order {rate}");

@@ -116,7 +116,7 @@ impl Curve {
         if !center.iter().all(|x| x.is_finite()) {
             return Err(MeshError::StraightArc);
         }
-        // the point `through` lies to the right of the chord of a counter-clockwise arc
+        // With `through` to the right of the chord from `from` to `to`, the arc is counter-clockwise.
         Curve::arc(from, to, center, twice < 0.0)
     }
 
@@ -201,7 +201,7 @@ impl Curve {
     /// # Errors
     /// An error of `size`; more pieces than the limit.
     pub fn divided<E: From<MeshError>>(&self, mut size: impl FnMut([f64; 2]) -> Result<f64, E>, limit: usize) -> Result<Vec<f64>, E> {
-        // sufficient for the length of an arc to a millionth, and to find places with a small size
+        // Number of samples, sufficient for the length of an arc to a millionth and to find places with a small cell size.
         const SAMPLES: usize = 1024;
         let mut wanted = vec![0.0];
         let mut before = self.at(0.0);
@@ -216,7 +216,7 @@ impl Curve {
         if whole.is_nan() || whole >= limit as f64 {
             return Err(MeshError::TooManyCells { cells: whole as usize, limit }.into());
         }
-        // round-off of the sum must not add a piece
+        // Round-off of the summed length must not add a piece.
         let pieces = ((whole * (1.0 - SUM_OF_LENGTHS)).ceil() as usize).max(self.fewest());
         let mut places = vec![0.0];
         let mut sample = 0;
@@ -243,7 +243,8 @@ fn natural_bends(points: &[Point], chords: &[f64]) -> Vec<Point> {
     inner
 }
 
-/// `below, diagonal, above` and the right-hand side of a row of the spline's equations.
+/// Row of the spline's tridiagonal equations: coefficients of the second derivatives at the point before, at the point and at the point
+/// after, and the right-hand side.
 type Row = ([f64; 3], Point);
 
 fn row(points: &[Point], chords: &[f64], before: usize, here: usize, after: usize, chord: usize) -> Row {
@@ -341,7 +342,7 @@ mod tests {
         assert!(worst < 2e-5, "{worst}");
         let (before, after) = (circle.at(1.0 - 1e-6), circle.at(1e-6));
         assert!((before[0] - after[0]).abs() < 1e-9 && (before[1] + after[1]).abs() < 1e-9, "{before:?} {after:?}");
-        // a straight line stays straight
+        // A spline through collinear points is a straight line.
         let line = Curve::spline(vec![[0.0, 0.0], [1.0, 1.0], [3.0, 3.0]]).unwrap();
         assert!((0..100).map(|k| line.at(f64::from(k) / 100.0)).all(|[x, y]| (x - y).abs() < 1e-15));
         assert!(matches!(Curve::spline(vec![[0.0, 0.0]]), Err(MeshError::FewPoints { .. })));

@@ -17,13 +17,13 @@ const DIVIDED: usize = 75;
 /// A place on a reference cell.
 type Place = [f64; 3];
 
-/// Weights of a parent's corners and of its nodes at several places.
+/// For several places on a parent: weights of the parent's corners, and values of the shape functions of all its nodes.
 type Weights = Vec<(Vec<f64>, Vec<f64>)>;
 
-/// Children of one kind, by the places of their nodes on the parent's reference cell.
+/// Division of a parent cell into children of one kind, given by the positions of their nodes on the parent's reference cell.
 struct Template {
     children: Vec<Vec<Place>>,
-    /// Per facet of the parent, the children's facets on it, from its first corner on.
+    /// For each facet of the parent: the facets `(child, local facet)` on it, beginning at its first corner.
     pieces: Vec<Vec<(u32, u8)>>,
 }
 
@@ -77,7 +77,8 @@ pub(super) fn mean(a: Place, b: Place) -> Place {
 }
 
 impl Template {
-    /// Template with children of a kind with these corners, in a parent of a kind.
+    /// Template with children of the kind `child` with these corners in a parent of the kind `parent`; other nodes follow by the child's
+    /// shape functions.
     fn new(parent: CellKind, child: CellKind, corners: &[Vec<Place>]) -> Template {
         let (shape, row) = (child.shape(), child.row());
         let node = |corners: &[Place], place: Place| {
@@ -88,7 +89,7 @@ impl Template {
         Template::of(parent, child, children)
     }
 
-    /// Template with children of a kind with nodes at these points, in a parent of a kind.
+    /// Template with children of the kind `child` whose nodes are at these points in a parent of the kind `parent`.
     fn of(parent: CellKind, child: CellKind, children: Vec<Vec<Place>>) -> Template {
         let shape = child.shape();
         let weights = |place: Place| corner_weights(parent.shape(), place);
@@ -242,7 +243,7 @@ impl Mesh {
         if is_cut { Some(kind) } else { alike().filter(|&to| is_beside && is_finer(to)) }
     }
 
-    /// Division of cells of a kind into those of another one, both of first order where their shapes differ.
+    /// Division of the cells of the kind `from` into cells of the kind `to`; where their shapes differ, both are of first order.
     fn division(&self, from: CellKind, to: CellKind) -> Option<Division<'_>> {
         let at = corners(from);
         let of_corners = |children: &[&[usize]]| {
@@ -284,7 +285,7 @@ impl Mesh {
         room_for(counted.sum(), DIVIDED * nodes)?;
         let mut finer = Mesh { points: self.points.clone(), blocks: Vec::new(), boundaries: Vec::new(), parts: Vec::new() };
         let mut known: HashMap<NodeKey, u32> = HashMap::new();
-        // Per cell, its division and template, and its first child in the block of that kind.
+        // For each cell: its division and template, and the number of its first child in the block of the children's kind.
         let mut chosen_of = Vec::with_capacity(self.cell_count());
         for (block, division) in self.blocks.iter().zip(divisions) {
             let Division { child, templates, choose } = division;
@@ -348,7 +349,7 @@ mod tests {
         let mut named: Vec<Facet> = Vec::new();
         for (boundary, divided) in mesh.boundaries.iter().zip(&other.boundaries) {
             let (before, after) = (mesh.boundary_measure(boundary), other.boundary_measure(divided));
-            // The area of a warped facet is not a polynomial: more points are more accurate.
+            // The area of a warped facet is no polynomial integral, so that meshes with different quadrature points agree less accurately.
             let is_alike = mesh.only_kind() == other.only_kind() && mesh.blocks.iter().all(|block| !block.kind.shape().has_triangles());
             let allowed = if mesh.dimension() == 2 || is_alike { 1e-12 } else { 1e-8 };
             assert!((before - after).abs() < allowed * before, "{what}: {} {before} {after}", boundary.name);
@@ -375,7 +376,7 @@ mod tests {
         let mut solid = block([3.0, 1.0, 2.0], [3, 2, 2], [0.0; 3]).unwrap();
         same(&solid, &solid.refine().unwrap());
         for point in &mut solid.points {
-            // Another order of the numbers gives other diagonals.
+            // Warped faces, so that the choice of their diagonals, which depends on the node numbers, changes the volume.
             point[0] += 0.05 * point[1] * point[2];
         }
         let last = solid.points.len() as u32 - 1;

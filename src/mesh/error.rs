@@ -35,7 +35,7 @@ pub enum MeshError {
         /// Number of corners given.
         count: usize,
     },
-    /// A hole that is not wholly inside its polygon, or meets another hole.
+    /// A hole that is not wholly inside its polygon, or that intersects another hole.
     #[error("hole {hole} is not inside the polygon and apart from the other holes")]
     HoleOutside {
         /// Number of the hole, from 1.
@@ -121,7 +121,7 @@ pub enum MeshError {
         /// Outer radius.
         outer: f64,
     },
-    /// An arc whose end is not behind its start by less than a full turn.
+    /// An arc whose end angle does not exceed its start angle by more than 0 and less than a full turn.
     #[error("an arc must end behind its start by less than a full turn, but goes from {start} to {end}")]
     Turn {
         /// Angle of the start `[rad]`.
@@ -160,7 +160,7 @@ pub enum MeshError {
         /// End of the preceding curve `[length]`.
         expected: [f64; 2],
     },
-    /// Two curves of outline and holes that have a point in common that is no end of both.
+    /// Two curves of the outline or of holes with a common point that is not an end of both.
     #[error("{first} and {second} touch or cross near {}", spot(.near))]
     CrossingCurves {
         /// The first curve.
@@ -178,7 +178,7 @@ pub enum MeshError {
         /// Names that exist.
         available: Vec<String>,
     },
-    /// Layers that meet each other or the rim.
+    /// Layers that are too thick: they intersect each other or the rim.
     #[error(
         "the layers of {names} are {} thick together, but near {} there is room for {}",
         rounded(*.thickness), spot(.near), rounded(*.room)
@@ -193,7 +193,7 @@ pub enum MeshError {
         /// Approximate position `[length]`.
         near: [f64; 2],
     },
-    /// Layers beside which a cell has no room.
+    /// Layers that leave no room for a valid cell beside them.
     #[error("the layers of {names}, {} thick together, leave a cell near {} without room", rounded(*.thickness), spot(.near))]
     LayersCramped {
         /// Quoted names of the boundaries with layers.
@@ -203,7 +203,7 @@ pub enum MeshError {
         /// Approximate position `[length]`.
         near: [f64; 2],
     },
-    /// A corner that layers cannot go round.
+    /// A corner that is too sharp for layers around it.
     #[error("the layers of {names} cannot go round the corner of {:.0} degrees at {}", degrees, spot(.near))]
     LayerCorner {
         /// Quoted names of the boundaries with layers.
@@ -223,19 +223,19 @@ pub enum MeshError {
         /// Position where the layers end `[length]`.
         near: [f64; 2],
     },
-    /// Cells that cannot be refined here and there.
+    /// A cell kind that cannot be refined locally.
     #[error("cells of the kind {kind} cannot be refined in some places only: nodes would hang on the edges of their neighbors")]
     NotLocally {
         /// Kind of the cells.
         kind: &'static str,
     },
-    /// Cells that cannot be refined.
+    /// A cell kind that cannot be refined.
     #[error("cells of the kind {kind} cannot be refined: half a pyramid is a tetrahedron")]
     NotRefined {
         /// Kind of the cells.
         kind: &'static str,
     },
-    /// Cells that grow so fast that some of them vanish.
+    /// A grading so strong that the smallest cells have zero size.
     #[error("{count} cells whose last is {ratio} times the first leave no room for some of them")]
     Grading {
         /// Ratio of the last to the first cell.
@@ -243,13 +243,13 @@ pub enum MeshError {
         /// Number of cells.
         count: usize,
     },
-    /// Cells that cannot be extruded.
+    /// A cell kind that cannot be extruded.
     #[error("a mesh of {kind} cells cannot be extruded")]
     Extruded {
         /// Kind of the cells.
         kind: &'static str,
     },
-    /// A section that meets itself while it moves through space.
+    /// A section that sweeps over itself on its path, so that cells are inverted.
     #[error("the section sweeps over itself: a cell at {} is inside out", spot(.center))]
     SweptOver {
         /// Mean of the nodes of the cell `[length]`.
@@ -271,7 +271,7 @@ pub enum MeshError {
         /// Common position of the two points `[length]`.
         at: [f64; 3],
     },
-    /// A path that turns back.
+    /// A path with a turn of 90 degrees or more at a point.
     #[error("the path turns by {degrees:.0} degrees at its point {point}, {}", spot(.at))]
     PathTurns {
         /// Number of the point, from 1.
@@ -281,10 +281,10 @@ pub enum MeshError {
         /// Angle by which the path turns, in degrees.
         degrees: f64,
     },
-    /// A section that is another one at the end of a way that closes.
+    /// A twist, scale or grading along a closed path, whose last section must equal its first one.
     #[error("the way closes, so its end must be as its start: without twist, scale and grading")]
     ClosedChange,
-    /// Meshes that are not of the same cells.
+    /// Two meshes for a loft whose cells do not name the same nodes.
     #[error("the cells of the two meshes do not name the same nodes: {first}, and {second}")]
     Lofted {
         /// Counts of one mesh.
@@ -292,19 +292,19 @@ pub enum MeshError {
         /// Counts of the other mesh.
         second: String,
     },
-    /// An angle of a solid of revolution.
+    /// An angle of revolution that is zero, or larger than a full turn.
     #[error("a mesh is turned by more than 0 and by at most a full turn of 2 pi, but the angle is {angle}")]
     Revolution {
         /// The angle `[rad]`.
         angle: f64,
     },
-    /// A mesh that its axis of revolution touches or cuts.
+    /// A plane mesh that the axis of revolution touches or cuts.
     #[error("the mesh is not wholly on one side of the axis of revolution: it meets it near {}", spot(.at))]
     OnAxis {
         /// A node on the axis or beyond it `[length]`.
         at: [f64; 2],
     },
-    /// A rounding radius that is not below half the least size.
+    /// A rounding radius of at least half the smallest size of the block.
     #[error("the radius {} of the edges must be smaller than half the least size {}", rounded(*.radius), rounded(*.size))]
     Rounding {
         /// The radius `[length]`.
@@ -341,7 +341,7 @@ pub enum MeshError {
         available: Vec<String>,
     },
 
-    /// A cell whose nodes run the wrong way round or whose facets cross.
+    /// A cell with a nonpositive Jacobian determinant: reversed node order, or crossing facets.
     #[error(
         "cell {cell} at {} is inside out: its Jacobian determinant is {} ({inverted} of {cells} cells are)",
         spot(.center), rounded(*.determinant)
@@ -406,7 +406,7 @@ pub enum MeshError {
         /// Kind of the neighbor.
         other: &'static str,
     },
-    /// A facet of the surface that cannot be touched.
+    /// A non-convex (folded) facet of the surface, on which contact is not defined.
     #[error("a facet of cell {cell} at {} is folded: its corners do not all look to the same side ({count} facets are)", spot(.at))]
     FoldedFacet {
         /// Index of the cell.
@@ -416,15 +416,15 @@ pub enum MeshError {
         /// Number of folded facets.
         count: usize,
     },
-    /// Cells beside each other with nodes of their own.
+    /// Adjacent cells with coincident facets but different nodes: the parts are not joined.
     #[error("{count} facets of the mesh lie on others without common nodes, the first at {}: the cells are not joined there", spot(.at))]
     Unjoined {
         /// Number of facets that lie on another one without common nodes.
         count: usize,
-        /// Mean of the corners of the first `[length]`.
+        /// Mean of the corners of the first facet that lies on another one `[length]`.
         at: Vec<f64>,
     },
-    /// A surface that goes through itself.
+    /// A surface that intersects itself.
     #[error(
         "the surface of the mesh goes through itself at {}: an edge of cell {} through a facet of cell {} ({count} edges do)",
         spot(.at), cells[0], cells[1]

@@ -50,19 +50,19 @@ pub enum FileProblem {
     /// A file of another format.
     #[error("this is not a mesh file that is read here but {found}")]
     OtherFormat {
-        /// Description of the format that the file seems to have.
+        /// Description of the probable format of the file.
         found: &'static str,
     },
-    /// A binary file whose numbers have a size that is not read.
+    /// A binary file whose numbers have an unsupported size.
     #[error("the binary file says that its sizes have {bytes} bytes, but 4 and 8 are read")]
     NumberSize {
         /// The size as written.
         bytes: u64,
     },
-    /// A binary file that does not hold the number 1 where it must.
+    /// A binary file whose byte order cannot be determined, because the number 1 is missing after the version.
     #[error("the binary file has no number 1 behind its version, in neither order of bytes")]
     ByteOrder,
-    /// A Gmsh version that is not read.
+    /// An unsupported Gmsh version.
     #[error("the file has Gmsh format version {version}, but versions 2.2 and 4.1 are read")]
     Version {
         /// The version as written.
@@ -75,9 +75,9 @@ pub enum FileProblem {
         section: String,
         /// Start of the section.
         begin: Place,
-        /// Entries read.
+        /// Number of entries read.
         found: usize,
-        /// Entries announced; equal to `found` when only the closing line is missing.
+        /// Number of entries announced in the file; equal to `found` when only the closing line is missing.
         announced: usize,
     },
     /// A section whose number of entries differs from the announced number.
@@ -85,18 +85,18 @@ pub enum FileProblem {
     Count {
         /// Name of the section.
         section: &'static str,
-        /// Entries announced.
+        /// Number of entries announced in the file.
         announced: usize,
-        /// Entries found so far.
+        /// Number of entries found so far.
         found: usize,
     },
-    /// A section that must be there is not.
+    /// A required section that is missing.
     #[error("the file has no section {section}")]
     MissingSection {
         /// Name of the section.
         section: &'static str,
     },
-    /// A section that is there twice.
+    /// A section that occurs twice.
     #[error("section {section} is there a second time")]
     RepeatedSection {
         /// Name of the section.
@@ -118,7 +118,7 @@ pub enum FileProblem {
         /// The coordinate.
         value: f64,
     },
-    /// Content of a format that is not read.
+    /// Content in an unsupported form.
     #[error("the file has {found}, which is not read here")]
     Form {
         /// Description of the content.
@@ -176,7 +176,7 @@ pub enum FileProblem {
         /// Number of nodes of its type.
         nodes: usize,
     },
-    /// A cell with repeated nodes that is no cell of another kind.
+    /// A cell with repeated nodes that does not collapse to a cell of another supported kind.
     #[error("element {element}, a {kind}, names node {node} more than once{}", not_smaller(smaller))]
     Collapsed {
         /// Number of the element in the file.
@@ -188,7 +188,7 @@ pub enum FileProblem {
         /// Names of the kinds that cells of this kind may collapse to.
         smaller: Vec<&'static str>,
     },
-    /// A kind of element that bodies are not made of here.
+    /// An element kind that is not supported as a cell of a body.
     #[error("element {element} is a {kind}, but cells read are {}", readable_cells())]
     UnsupportedCell {
         /// Number of the element in the file.
@@ -202,7 +202,7 @@ pub enum FileProblem {
         /// Name of the type as written.
         name: String,
     },
-    /// Cells of two kinds.
+    /// Cells of first and of second order in one file.
     #[error(
         "the file mixes cells of first and of second order: {count} {kind} and {others} {other}; the first {other} is element {element}"
     )]
@@ -289,17 +289,17 @@ pub enum FileProblem {
     /// Shells or membranes without solid or plane cells.
     #[error("the file has no solid or plane cells, but {count} shell, membrane or rigid elements ({name})")]
     Shells {
-        /// Name of a type of these elements.
+        /// Name of one type of the shells or membranes.
         name: String,
-        /// Number of these elements in the file.
+        /// Number of shells and membranes in the file.
         count: usize,
     },
-    /// Elements that are no cells, where they are not to be left out.
+    /// Elements that are no cells, refused because of the option `Structural::Refused`.
     #[error("the file has elements that are no cells of bodies: {count} {name}")]
     Structural {
-        /// Name of a type of these elements.
+        /// Name of one type of the elements that are no cells.
         name: String,
-        /// Number of elements of the type.
+        /// Number of elements of this type.
         count: usize,
     },
     /// A keyword without a required parameter.
@@ -342,17 +342,17 @@ pub enum FileProblem {
     },
 }
 
-/// Names of the cells that are read.
+/// List of the supported cell kinds for messages.
 fn readable_cells() -> String {
     listed(&crate::elements::CellKind::ALL.iter().map(|kind| kind.name()).collect::<Vec<_>>(), "and")
 }
 
-/// Kinds that a cell with repeated nodes is not of.
+/// Part of a sentence that names the kinds to which the cell does not collapse; empty if there are none.
 fn not_smaller(smaller: &[&str]) -> String {
     if smaller.is_empty() { String::new() } else { format!(", but not so that it would be a {}", listed(smaller, "or")) }
 }
 
-/// Names with a word before the last.
+/// Names as a list with `word` (`and`, `or`) before the last one.
 fn listed(names: &[&str], word: &str) -> String {
     match names.split_last() {
         Some((last, [])) => (*last).into(),
@@ -361,7 +361,7 @@ fn listed(names: &[&str], word: &str) -> String {
     }
 }
 
-/// Number of entries found; the word `more` if there are more than announced.
+/// Number of entries found, or the word `more` if there are more entries than announced.
 fn more_or(found: usize, announced: usize) -> String {
     if found > announced { "more".into() } else { found.to_string() }
 }

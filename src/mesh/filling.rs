@@ -20,7 +20,7 @@ pub(super) struct FilledRegion {
     edges: RimEdges,
     /// Midpoints of edges that are not on the rim.
     pub placed: PlacedEdges,
-    /// Facets on each piece of the rim.
+    /// Facets on each rim segment, in the order of the rim.
     pub along: HashMap<usize, Vec<Facet>>,
     /// Nodes at the vertices of the rim.
     pub corners: HashMap<usize, u32>,
@@ -29,7 +29,7 @@ pub(super) struct FilledRegion {
 }
 
 impl FilledRegion {
-    /// Mesh of a kind with these boundaries, with mid-side nodes on their curves.
+    /// Mesh of a kind with the given boundaries; mid-side nodes lie on the curves of their edges.
     pub fn finished(self, rim: &Rim, boundaries: Vec<Boundary>, kind: CellKind) -> Result<Mesh, MeshError> {
         let mesh = Mesh { boundaries, ..self.mesh };
         let middle = |[a, b]: [u32; 2], _| {
@@ -47,7 +47,7 @@ pub(super) fn filled<E: From<MeshError>>(rim: &Rim, size: &mut CellSize<E>, fact
     Ok(if factor == 1.0 { of_triangles(&triangles, rim) } else { quadrilaterals(&triangles, rim) })
 }
 
-/// Region of the triangles themselves.
+/// Region whose cells are the triangles of the triangulation.
 fn of_triangles(Triangles { vertices, triangles }: &Triangles, rim: &Rim) -> FilledRegion {
     let (mut along, mut edges) = (HashMap::new(), RimEdges::new());
     for (nodes, cell) in triangles.iter().zip(0..) {
@@ -65,14 +65,14 @@ fn of_triangles(Triangles { vertices, triangles }: &Triangles, rim: &Rim) -> Fil
     FilledRegion { mesh, edges, placed: PlacedEdges::new(), along, corners, middles: HashMap::new() }
 }
 
-/// Region with three quadrilaterals for every triangle.
+/// Region with each triangle divided into three quadrilaterals.
 fn quadrilaterals(Triangles { vertices, triangles }: &Triangles, rim: &Rim) -> FilledRegion {
     let mut rim_edges = RimEdges::new();
     let mut points: Vec<[f64; 3]> = Vec::new();
     let mut corner: HashMap<usize, u32> = HashMap::new();
     let mut middle: HashMap<[usize; 2], u32> = HashMap::new();
     let mut connectivity = Vec::new();
-    // the cell at the start and at the end of each edge that runs along the rim
+    // Cells at the start and at the end of each triangle edge that lies on the rim.
     let (mut along, mut rim_middles) = (HashMap::new(), HashMap::new());
     for (triangle, nodes) in triangles.iter().enumerate() {
         let mut add = |sum: &[usize]| {

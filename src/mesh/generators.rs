@@ -111,7 +111,7 @@ mod tests {
         mesh.boundaries.iter().map(|b| b.name.as_str()).collect()
     }
 
-    /// Each plane facet begins where the one before it ends.
+    /// Asserts that each facet of a plane boundary begins where the previous one ends.
     fn is_traversed(mesh: &Mesh, boundary: &str) -> bool {
         let facets = &mesh.boundary(boundary).unwrap().facets;
         let ends = |facet: Facet| mesh.facet_nodes(facet).collect::<Vec<_>>();
@@ -176,7 +176,7 @@ mod tests {
         let mesh = ring(inner, outer, [4, 48], center, 0.3).unwrap();
         assert_eq!((mesh.points.len(), mesh.cell_count()), (5 * 48, 4 * 48));
         assert_eq!(names(&mesh), ["inner", "outer"]);
-        // a regular n-gon of radius r has area n/2 r^2 sin(2 pi/n) and perimeter 2 n r sin(pi/n)
+        // A regular n-gon of radius r has the area n/2 r^2 sin(2 pi/n) and the perimeter 2 n r sin(pi/n).
         let n = 48.0;
         let area = n / 2.0 * (TAU / n).sin() * (outer * outer - inner * inner);
         assert!((mesh.measure() - area).abs() < ROUND_OFF);
@@ -192,7 +192,7 @@ mod tests {
             assert!(is_traversed(&mesh, name));
         }
         assert_eq!(mesh.hull().len(), 2 * 48);
-        // counter-clockwise from the start angle, layers from the inside out
+        // Nodes run counter-clockwise from the start angle, in layers from the inside out.
         assert_eq!(mesh.points[0], [center[0] + inner * 0.3f64.cos(), center[1] + inner * 0.3f64.sin(), 0.0]);
         assert!(mesh.points[1][1] > mesh.points[0][1]);
         assert_eq!(mesh.points[4 * 48], [center[0] + outer * 0.3f64.cos(), center[1] + outer * 0.3f64.sin(), 0.0]);
@@ -237,7 +237,7 @@ mod tests {
             let middle = mesh.facet_nodes(arc.facets[around / 2]).map(|node| mesh.points[node as usize]).collect::<Vec<_>>();
             let length = (middle[1][0] - middle[0][0]).hypot(middle[1][1] - middle[0][1]);
             assert!(middle[0][0].abs() < ROUND_OFF, "the lowest point is a node");
-            // The facet is short against the radius and therefore a chord.
+            // The facet length is compared with that of the chord.
             let expected = first.unwrap_or(2.0 * radius * (PI / 2.0 / around as f64).sin());
             assert!((length / expected - 1.0).abs() < 1e-5, "{length} {expected}");
         }
@@ -267,10 +267,10 @@ mod tests {
         assert!(matches!(rectangle([f64::NAN, 1.0], [1, 1], [0.0; 2]), Err(MeshError::NotPositive { .. })));
         assert!(matches!(rectangle([1.0, 1.0], [1, 1], [f64::INFINITY, 0.0]), Err(MeshError::NotFinite { .. })));
         assert!(matches!(block([1.0, 1.0, 0.0], [1; 3], [0.0; 3]), Err(MeshError::NotPositive { .. })));
-        // a request that exceeds the memory must not allocate it
+        // A request that exceeds the memory is refused before allocation.
         assert!(matches!(rectangle([1.0, 1.0], [usize::MAX, 7], [0.0; 2]), Err(MeshError::TooManyCells { cells: usize::MAX, .. })));
         assert!(matches!(block([1.0; 3], [1000, 1000, 1000], [0.0; 3]), Err(MeshError::TooManyCells { .. })));
-        // so far from the origin that neighboring nodes round to the same point
+        // An origin so far away that neighboring nodes round to the same point.
         assert!(matches!(rectangle([1.0, 1.0], [10, 10], [1e17, 0.0]), Err(MeshError::DegenerateCell { .. })));
     }
 
@@ -278,7 +278,7 @@ mod tests {
     fn graded_cells_grow_by_one_factor() {
         let mesh = graded_rectangle([2.0, 1.0], [4, 1], [0.0, 0.0], [8.0, 1.0]).unwrap();
         let widths: Vec<f64> = (0..4).map(|i| mesh.points[i + 1][0] - mesh.points[i][0]).collect();
-        // 1 + 2 + 4 + 8 = 15 parts
+        // Widths in the ratio 1 : 2 : 4 : 8, that is in fifteenths of the whole.
         for (width, parts) in widths.iter().zip([1.0, 2.0, 4.0, 8.0]) {
             assert!((width - 2.0 * parts / 15.0).abs() < ROUND_OFF, "{widths:?}");
         }
@@ -295,7 +295,7 @@ mod tests {
         let (inner, outer, turn, cells) = (0.5, 1.5, 2.0, [3, 16]);
         let mesh = arc([inner, outer], [0.3, 0.3 + turn], cells, [1.0, -1.0], [2.0, 1.0]).unwrap();
         assert_eq!(names(&mesh), ["inner", "outer", "start", "end"]);
-        // triangles between the spokes of the two circles
+        // The mesh consists of the triangles between spokes of the outer circle minus those of the inner circle.
         let area = 16.0 / 2.0 * (turn / 16.0).sin() * (outer * outer - inner * inner);
         assert!((mesh.measure() - area).abs() < ROUND_OFF);
         let length = |name: &str| mesh.boundary_measure(mesh.boundary(name).unwrap());

@@ -45,7 +45,7 @@ impl Mesh {
         if common == 0 {
             return Err(MeshError::NothingShared);
         }
-        // Numbers of the cells, which follow those of the same kind.
+        // Number of the first added cell in the block of each kind; added cells follow the existing ones of the same kind.
         let firsts: Vec<usize> = other
             .blocks
             .iter()

@@ -72,7 +72,7 @@ impl Refinement<'_> {
         children.map(|(places, nodes)| ChildCell { nodes, places: [places[0], places[1], places[2]], ..*piece }).collect()
     }
 
-    /// Index of the longest edge; of equal ones, neighbors choose the same.
+    /// Index of the longest edge. Ties are decided by node numbers, so that both neighbors choose the same edge.
     fn longest(&self, piece: &ChildCell) -> usize {
         let length = |k: usize| {
             let ends = edge(piece.nodes[k], piece.nodes[(k + 1) % 3]);
@@ -86,7 +86,8 @@ impl Refinement<'_> {
         (0..3).max_by(longer).unwrap_or_default()
     }
 
-    /// Bisects a child cell across its longest edge, and its halves, until none of its edges is divided; adds the results to `whole`.
+    /// Bisects a child cell across its longest edge, and the halves likewise, until no edge has a hanging node; appends the resulting cells
+    /// to `whole`.
     fn close(&mut self, piece: ChildCell, whole: &mut Vec<ChildCell>) {
         let is_cut = (0..3).any(|k| self.cut.contains(&edge(piece.nodes[k], piece.nodes[(k + 1) % 3])));
         if !is_cut {
@@ -122,7 +123,7 @@ impl Refinement<'_> {
             }
             pieces = next;
             room_for(pieces.len(), UNSTRUCTURED)?;
-            // an edge divided by one of its cells must be divided by the other one
+            // Repeat until no new edge is divided, since an edge divided in one cell must be divided in its neighbor.
             if self.cut.len() == edges {
                 return Ok(pieces);
             }
@@ -179,7 +180,7 @@ impl Mesh {
     /// Cells that are no triangles, more cells than [`CELL_LIMIT`](crate::mesh::CELL_LIMIT).
     pub fn refined_cells(&self, is_chosen: &[bool]) -> Result<Mesh, MeshError> {
         self.refuse_others_than_triangles()?;
-        // before memory is allocated
+        // The number of cells is checked before memory is allocated.
         let cells = self.cell_count() + 3 * is_chosen.iter().filter(|chosen| **chosen).count();
         room_for(cells, UNSTRUCTURED)?;
         let mut middles = HashMap::new();
@@ -303,7 +304,7 @@ mod tests {
             assert!(smallest_angle(&mesh) > 0.5 * angle, "{level}: {} of {angle}", smallest_angle(&mesh));
         }
         is_same(&coarse, &mesh);
-        // cells of 2^-25 in a body of 2, in a small number
+        // Repeated refinement reaches cells of size 2^-25 in a body of size 2 with few cells.
         assert!(mesh.quality().shortest_edge < 1e-7 && mesh.cell_count() < 5000, "{} {}", mesh.quality(), mesh.cell_count());
     }
 

@@ -30,7 +30,7 @@ impl<'a> CellFinder<'a> {
             };
             let (low, high) = (end(f64::min), end(f64::max));
             let reach = BESIDE * (0..3).map(|i| high[i] - low[i]).fold(0.0, f64::max);
-            // Mid-side nodes do not bound a curved cell exactly.
+            // The bounding box is enlarged, because the nodes of a curved cell do not bound it exactly.
             GeomWithData::new(Rectangle::from_corners(low.map(|x| x - reach), high.map(|x| x + reach)), index)
         });
         CellFinder { mesh, tree: RTree::bulk_load(boxes.collect()) }

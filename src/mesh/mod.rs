@@ -90,7 +90,7 @@ pub struct Facet {
 pub struct Boundary {
     /// Name as used in scripts, such as `outer`.
     pub name: String,
-    /// Facets in ascending order of traversal or as found.
+    /// Facets, in the order of traversal where the generator or reader has one.
     pub facets: Vec<Facet>,
     /// Nodes in addition to those of the facets: single points that are fixed, moved or loaded.
     pub nodes: Vec<u32>,

@@ -95,7 +95,7 @@ mod tests {
         let one = rectangle([2.0, 1.0], [2, 1], [0.0; 2]).unwrap();
         let mut both = one.clone();
         both.points.extend(one.points.iter().map(|x| [x[0] + 5.0, x[1], 0.0]));
-        // the cells of the two bars in turn
+        // Cells of two separate bars in alternating order.
         let shifted: Vec<u32> = one.blocks[0].connectivity.iter().map(|node| node + 6).collect();
         both.blocks[0].connectivity =
             [&one.blocks[0].connectivity[..4], &shifted[..4], &one.blocks[0].connectivity[4..], &shifted[4..]].concat();

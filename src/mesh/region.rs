@@ -18,8 +18,8 @@ use crate::elements::{CellKind, CellShape};
 /// the sides, with equal names joined. Mid-side nodes on the rim lie on its curves.
 ///
 /// # Errors
-/// Curves that do not follow each other, that cross or touch, holes that are not inside, sizes that are not positive, too many cells, what
-/// the size fails with.
+/// Curves that do not follow each other, that cross or touch, holes that are not inside, sizes that are not positive, too many cells,
+/// errors of `size`.
 pub fn region<E: From<MeshError>>(outline: &[Side], holes: &[Vec<Side>], size: CellSize<E>, kind: CellKind) -> Result<Mesh, E> {
     layered_region(outline, holes, size, kind, None)
 }

@@ -43,12 +43,12 @@ pub fn graded_ring(
         return Err(MeshError::NotFinite { what: "the start angle of a ring", value: start_angle });
     }
     let [radial, around] = cells;
-    // one sine and cosine per spoke: the nodes of a spoke are exactly in line
+    // Sine and cosine are computed once per spoke, so that the nodes of a spoke are exactly collinear.
     let spokes: Vec<(f64, f64)> = (0..around).map(|j| (start_angle + TAU * j as f64 / around as f64).sin_cos()).collect();
     let points = graded(radial, grading)?
         .iter()
         .flat_map(|share| {
-            // this form is exact at both radii, for fractions of 0 and 1
+            // This form gives both radii exactly, for shares of 0 and 1.
             let radius = inner_radius * (1.0 - share) + outer_radius * share;
             spokes.iter().map(move |&(sine, cosine)| [center[0] + radius * cosine, center[1] + radius * sine, 0.0])
         })

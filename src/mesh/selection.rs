@@ -115,7 +115,7 @@ mod tests {
             .unwrap();
         let boundary = mesh.boundary("right half of the top").unwrap();
         assert_eq!(boundary.facets, [Facet { cell: 6, local: 2 }, Facet { cell: 7, local: 2 }]);
-        // once per node of the hull
+        // The condition is evaluated once per node of the hull.
         assert_eq!(asked, 2 * (4 + 2));
         // interior facets at x = 2 have nodes that satisfy the condition, but are not on the hull
         let mesh = mesh.boundary_where("middle", |[x, ..]| Ok::<_, Infallible>(x == 2.0)).unwrap();
@@ -155,7 +155,7 @@ mod tests {
         assert_eq!(right.facets, [Facet { cell: 0, local: 1 }]);
         assert!(east.boundary_nodes(right).iter().all(|&n| east.points[n as usize][0] == 4.0));
         assert_eq!(east.parts, [("east".to_string(), vec![0, 1]), ("all".to_string(), vec![1, 0])]);
-        // one more open side, next to the other part
+        // The part has one more open side, where it was connected to the other part.
         assert_eq!(east.hull().len(), 6);
         let error = mesh.part("eats").unwrap_err();
         assert_eq!((error.to_string().contains("\"west\", \"east\", \"all\""), error.hint()), (true, "did you mean \"east\"?".into()));

@@ -6,7 +6,7 @@ use super::check::{between, cross, dot, norm};
 use super::{Boundary, Facet, Mesh, MeshError};
 
 impl Mesh {
-    /// Mesh with a further boundary of these facets.
+    /// Mesh with a further boundary that consists of the given facets.
     ///
     /// # Errors
     /// A boundary of that name exists.
@@ -130,7 +130,7 @@ mod tests {
     #[test]
     fn a_seed_grows_round_a_smooth_side_and_stops_at_its_rim() {
         let rod = cylinder(1.0, 2.0, [2, 16, 2], [0.0; 3], 1.0).unwrap();
-        // facets of the round side turn by 22.5 degrees, and by 90 degrees at the rim
+        // Normals turn by 22.5 degrees between facets of the round side, and by 90 degrees at its rim.
         let side = rod.facets_from([1.0, 0.0, 1.0], 0.5);
         assert_eq!(side.len(), 32);
         assert!(side.iter().all(|&facet| rod.facet_normal(facet)[2].abs() < 1e-12));

@@ -40,7 +40,7 @@ fn round_solids_have_their_volume_and_area_to_second_order() {
     let (a, b, h, ring) = (0.5, 1.25, 2.0, 3.0);
     let at = [0.3, -1.0, 2.0];
     type Maker<'a> = &'a dyn Fn(usize) -> Mesh;
-    // volume, area, all boundaries, least scaled Jacobian
+    // Name, generator, volume, area, names of all boundaries, and least scaled Jacobian.
     type Solid<'a> = (&'a str, Maker<'a>, f64, f64, &'a [&'a str], f64);
     let solids: [Solid; 5] = [
         (
@@ -108,7 +108,7 @@ fn nodes_are_on_the_true_surface() {
     is_on(&shell, "outer", &|p| from_center(p) - 1.25);
     assert_eq!(sphere(1.0, [2, 12], [0.0; 3], 1.0).unwrap().cell_count(), 27 + 2 * 6 * 9);
     assert_eq!(shell.cell_count(), 2 * 6 * 9);
-    // the smallest number of cells
+    // Sphere with the smallest admissible number of cells.
     assert_sound("least sphere", &sphere(1.0, [1, 4], [0.0; 3], 1.0).unwrap(), &["outer"], 0.4);
 }
 
@@ -116,7 +116,7 @@ fn nodes_are_on_the_true_surface() {
 fn a_rounded_block_is_a_block_and_a_sphere_rolled_over_it() {
     let (size, r, origin) = ([3.0, 2.0, 1.0], 0.3, [1.0, 2.0, -1.0]);
     let [a, b, c] = size.map(|length| length - 2.0 * r);
-    // J. Steiner, 1840
+    // Steiner's formula (1840) for the volume of a box `a b c` widened by the distance `r`.
     let volume = a * b * c + 2.0 * (a * b + b * c + c * a) * r + PI * (a + b + c) * r * r + 4.0 / 3.0 * PI * r.powi(3);
     let round = TAU * (a + b + c) * r + 4.0 * PI * r * r;
     let names = ["left", "right", "bottom", "top", "back", "front", "edges"];
@@ -255,12 +255,12 @@ fn helix(radius: f64, rise: f64, turn: f64, steps: usize) -> Vec<[f64; 3]> {
 fn a_mesh_follows_a_path_across_it_and_without_turning() {
     let plate = rectangle([0.4, 0.2], [3, 2], [-0.2, -0.1]).unwrap();
     let names = ["left", "right", "bottom", "top", "bottom_", "top_"];
-    // straight: as an extrusion along z
+    // Extrusion along a straight path along z equals `extruded`.
     let straight: Vec<[f64; 3]> = (0..=4).map(|k| [0.0, 0.0, 0.5 * f64::from(k)]).collect();
     let [along, up] = [plate.extruded_along(&straight, Change::NONE), plate.extruded(2.0, 4, 1.0, Change::NONE)].map(Result::unwrap);
     assert_eq!((&along.blocks, &along.boundaries), (&up.blocks, &up.boundaries));
     assert!(along.points.iter().zip(&up.points).all(|(a, b)| (0..3).all(|i| (a[i] - b[i]).abs() < 1e-15)));
-    // up, down, and sideways
+    // Straight paths downwards, along x, and oblique.
     for end in [[0.0, 0.0, -1.0], [1.0, 0.0, 0.0], [-1.0, 2.0, -0.5]] {
         let bar = plate.extruded_along(&[[0.0; 3], end], Change { twist: 0.1, ..Change::NONE }).unwrap();
         assert_sound("bar", &bar, &names, 0.5);
@@ -293,10 +293,10 @@ fn a_path_that_ends_at_its_start_closes() {
     let circle = helix(1.5, 0.0, TAU, 24);
     let torus = section.extruded_along(&circle, Change::NONE).unwrap();
     assert_sound("circle", &torus, &["inner", "outer"], 0.7);
-    // the same solid by revolution
+    // The torus as a solid of revolution.
     let turned = ring(0.1, 0.2, [1, 8], [1.5, 0.0], 0.1).unwrap().revolved(TAU, 24, Axis::Y, 1.0, Prisms::Cut).unwrap();
     assert!(relative(torus.measure(), turned.measure()) < ROUND_OFF);
-    // a trefoil knot: the rotation of the frame is distributed over its length
+    // Trefoil knot, a closed path: the angle by which its frame would not close is distributed over the length.
     let trefoil = |steps: usize| -> Vec<[f64; 3]> {
         let at = |t: f64| [t.sin() + 2.0 * (2.0 * t).sin(), t.cos() - 2.0 * (2.0 * t).cos(), -(3.0 * t).sin()];
         (0..=steps).map(|k| at(TAU * k as f64 / steps as f64)).collect()

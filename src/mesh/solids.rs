@@ -114,24 +114,24 @@ pub fn rounded_block(size: [f64; 3], radius: f64, cells: [usize; 3], around: [us
     let is_flat = |slopes: [f64; 3]| slopes.iter().filter(|slope| **slope != 0.0).count() == 1;
     let named = |side: &Side| if side.slopes.iter().all(|&slopes| is_flat(slopes)) { side.name.clone() } else { "edges".into() };
     let mut mesh = grown.mesh(named);
-    // flat sides first, in the order of those of a block
+    // Boundaries of flat sides come first, in the order of `block`.
     mesh.boundaries.sort_by_key(|boundary| boundary.name == "edges");
     mesh.translate(origin)
 }
 
-/// Distance of the center of a core's side from the sphere's center, over the radius, and blending of the core between cube and sphere: the
-/// scaled Jacobian is at least 0.68 for every number of cells, near the optimum of both parameters.
+/// Shape of the core of a sphere: `CORE` is the distance of the centers of its sides from the sphere's center, over the radius; `BULGE`
+/// blends between a cube (0) and a sphere (1). The scaled Jacobian is at least 0.68 for every number of cells, near the optimum of both.
 const CORE: f64 = 0.45;
 const BULGE: f64 = 0.6;
 
-/// A grid line.
+/// Grid line with the base `b` and the slope `t` of the module description.
 #[derive(Clone, Copy)]
 struct Line {
     base: f64,
     slope: f64,
 }
 
-/// Value with slopes of -1, 0 and 1 free of round-off.
+/// Slope with the values -1, 0 and 1 cleared of round-off.
 fn exact(slope: f64) -> f64 {
     let whole = slope.round();
     if (slope - whole).abs() < crate::math::tolerances::PLANE { whole } else { slope }
@@ -148,16 +148,16 @@ fn round_line(cells: [usize; 2]) -> Result<Vec<Line>, MeshError> {
     Ok(grid(side).map(|share| Line { base: 0.0, slope: exact((FRAC_PI_2 * share - FRAC_PI_4).tan()) }).collect())
 }
 
-/// A facet of a grid's surface.
+/// A facet of the surface of the grid.
 struct Side {
-    /// Name of its side of the grid.
+    /// Name of the grid side that contains the facet.
     name: String,
     nodes: Vec<u32>,
-    /// Slopes of the lines at its nodes.
+    /// Slopes of the three grid lines at each node of the facet.
     slopes: Vec<[f64; 3]>,
 }
 
-/// Grid with layers around its surface.
+/// Grid with layers of cells grown outwards from its surface.
 struct Grown {
     /// Mesh with the cells of the core first, if there is a core, and without boundaries.
     mesh: Mesh,

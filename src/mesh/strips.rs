@@ -28,7 +28,7 @@ pub(super) struct Strip {
     pub is_closed: bool,
 }
 
-/// Strips, the rim of the remaining region, and the stretches of the whole rim in their order.
+/// Strips of layers, the rim of the remaining region, and the order of facets along the whole rim.
 pub(super) struct Layered {
     pub rest: Rim,
     pub strips: Vec<Strip>,
@@ -59,14 +59,14 @@ pub(super) enum Source {
     End(usize),
 }
 
-/// A stretch of the whole rim on a curve.
+/// Part of the whole rim: its curve, and the source of the facets there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Order {
     pub curve: usize,
     pub source: Source,
 }
 
-/// A side of a cell of a strip.
+/// Side of a stack on which facets of a boundary lie: its foot, or its left or right column.
 #[derive(Clone, Copy)]
 enum Side {
     Foot,
@@ -84,7 +84,7 @@ impl Layered {
     /// Adds a strip, with its front and the columns that end within the body.
     pub fn add_strip(&mut self, mut strip: Strip, halves: usize) {
         let (top, last) = (strip.columns[0].len() - 1, strip.columns.len() - 1);
-        // column and level of the nodes from one end to the other
+        // Column and level of each node along the inner boundary of the strip, from one end to the other.
         let mut path: Vec<(usize, usize)> = Vec::new();
         if !strip.is_closed && strip.along[0].is_none() {
             path.extend((0..top).map(|level| (0, level)));
@@ -103,7 +103,7 @@ impl Layered {
         if strip.is_closed {
             strip.nodes[last] = strip.nodes[0].clone();
         } else if let Some(&(column, level)) = path.last() {
-            // first vertex of the following gap
+            // The last node is the first vertex of the following gap.
             strip.nodes[column][level] = Node::Vertex(self.rest.vertices.len());
         }
         let number = self.strips.len();
@@ -238,7 +238,7 @@ fn note_middles(strip: &Strip, stack: usize, nodes: &[Vec<u32>], rest: &Rim, pla
         let middle = [0, 1].map(|i| straight[i] + share * (on[i] - foot[i]));
         placed.insert(sorted([nodes[stack][level], nodes[stack + 1][level]]), middle);
         if let Some(below) = below {
-            // independent of the diagonal that divides the cell
+            // Center of the quadrilateral, used as the midpoint of either diagonal.
             let center = half([below, middle]);
             placed.insert(sorted([nodes[stack][level - 1], nodes[stack + 1][level]]), center);
             placed.insert(sorted([nodes[stack + 1][level - 1], nodes[stack][level]]), center);

@@ -57,7 +57,7 @@ impl Mesh {
         nodes.sort_unstable();
         nodes.dedup();
         let tree = RTree::bulk_load(nodes.iter().map(|&node| GeomWithData::new(self.points[node as usize], node)).collect());
-        // the smallest node at a place represents all nodes there
+        // Coincident nodes are represented by the one with the smallest number.
         let first = |node: u32| tree.locate_within_distance(self.points[node as usize], near).map(|found| found.data).min().unwrap_or(node);
         let firsts: HashMap<u32, u32> = nodes.iter().map(|&node| (node, first(node))).collect();
         let mut keyed: Vec<(Vec<u32>, usize)> = hull
@@ -130,9 +130,9 @@ fn pierced(a: Vector, b: Vector, facet: &[Vector]) -> Option<Vector> {
         }
         let at = [0, 1, 2].map(|i| a[i] + share * along[i]);
         let arm = between(p, at);
-        // weights of the second and the third corner; the first has the remainder
+        // Barycentric coordinates of the second and third corner; that of the first is the remainder.
         let [second, third] = [dot(normal, cross(arm, v)) / square, dot(normal, cross(u, arm)) / square];
-        // across the diagonal, between the first and the third corner, the second has weight 0
+        // The diagonal of a quadrilateral, between its first and third corner, counts as interior: there the second coordinate is 0.
         let on_diagonal = if has_diagonal { -PIERCED } else { PIERCED };
         (second > on_diagonal && third > PIERCED && 1.0 - second - third > PIERCED).then_some(at)
     };
@@ -190,12 +190,12 @@ mod tests {
                 assert!((0..3).all(|i| at[i] >= by[i] - 1e-12 && at[i] <= 1.0 + 1e-12), "{found:?}");
                 assert!(found[0].to_string().starts_with("the surface of the mesh goes through itself at ("), "{}", found[0]);
             }
-            // face to face, edge to edge, corner to corner, apart
+            // Cubes in contact at a face, an edge, a corner and part of a face, and separate cubes.
             for by in [[1.0, 0.2, 0.3], [1.0, 1.0, 0.1], [1.0, 1.0, 1.0], [1.0, 0.0, 0.25], [1.2, 0.0, 0.0]] {
                 assert_eq!(together(&cube, &moved(&cube, by)).surface_defects(), [], "{by:?}");
             }
         }
-        // a bar extruded through itself
+        // A bar that is extruded along a path through the bar itself.
         let mut path: Vec<Vector> = (0..=30).map(|k| 0.2 * f64::from(k)).map(|t| [2.0 * t.sin(), 2.0 * t.cos(), 0.02 * t]).collect();
         path.extend((31..=40).map(|k| 0.2 * f64::from(k)).map(|t| [2.0 * t.sin(), 2.0 * t.cos(), 0.02 * t]));
         let coil = disk(0.3, [1, 8], [0.0; 2]).unwrap().extruded_along(&path, Change::NONE).unwrap();
@@ -214,14 +214,14 @@ mod tests {
     #[test]
     fn a_folded_facet_is_found_though_its_cell_can_be_computed_with() {
         let mut cube = block([1.0; 3], [2, 2, 1], [0.0; 3]).unwrap();
-        // corner of the upper side moved over its diagonal
+        // A corner of the upper side is moved beyond the diagonal of its facet.
         let corner = cube.points.iter().position(|point| *point == [1.0; 3]).unwrap();
         cube.points[corner] = [0.72, 0.72, 1.0];
         assert_eq!(cube.defects(), []);
         let found = cube.surface_defects();
         assert!(matches!(found[..], [MeshError::FoldedFacet { cell: 3, count: 1, .. }]), "{found:?}");
         assert!(found[0].hint().contains("tetrahedra"));
-        // permitted warping
+        // Moderate warping of the facet is permitted.
         cube.points[corner] = [1.0, 1.0, 1.4];
         assert_eq!(cube.surface_defects(), []);
     }

@@ -23,12 +23,12 @@ pub(super) struct Sweep<'a> {
     pub prisms: Prisms,
 }
 
-/// Solid cells swept by triangles.
+/// Solid cells that arise from a triangular cell of the section in each layer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Prisms {
-    /// Three tetrahedra each.
+    /// Three tetrahedra.
     Cut,
-    /// Wedges.
+    /// One wedge.
     Kept,
 }
 
@@ -62,7 +62,7 @@ impl Mesh {
         let kinds: Vec<(CellKind, usize)> = self.kinds().map(|kind| solid_kind(kind, keeps_prisms)).collect::<Result<_, _>>()?;
         limited(&[self.numbered_blocks().zip(&kinds).map(|((_, block), (_, per_cell))| block.count() * per_cell).sum(), layers])?;
         let count = self.points.len() as u32;
-        // Levels of nodes: two for each layer of cells with mid-side nodes.
+        // Number of node levels: two for each layer of cells with mid-side nodes.
         let steps = if self.is_quadratic() { 2 } else { 1 };
         let levels = steps * layers;
         let rows = if is_closed { levels } else { levels + 1 };
@@ -135,7 +135,7 @@ impl Mesh {
     /// Adds the boundaries of this mesh as sides of the swept solid, whose hull is given.
     fn sides_into(&self, solid: &mut Mesh, hull: &[Facet], rows: u32) {
         let count = self.points.len() as u32;
-        // facets of the solid by the nodes of the section below them, each once
+        // Facets of the solid, grouped by the nodes of the section below them.
         let mut sides: HashMap<Vec<u32>, Vec<Facet>> = HashMap::new();
         for &facet in hull {
             let mut on: Vec<u32> = solid.facet_nodes(facet).map(|node| node % count).collect();
@@ -177,10 +177,10 @@ fn places_in(kind: CellKind, plane: CellKind) -> Vec<(usize, u32)> {
     kind.row().node_places.iter().filter_map(|&place| of_node(place)).collect()
 }
 
-/// Node of a second-order triangle, and its level, between two corners of its prism.
+/// Mid-side node of the plane triangle, and its level, for the edge between two corners of the prism over the triangle.
 fn between(cell: &[u32], [(a, a_above), (b, b_above)]: [(usize, bool); 2]) -> (u32, u32) {
     let level = u32::from(a_above) + u32::from(b_above);
-    // the mid-side node from a corner to the next one has the number of the corner plus three
+    // Mid-side node `3 + k` lies between corner `k` and the next corner.
     let local = if a == b { a } else { 3 + if (a + 1) % 3 == b { a } else { b } };
     (cell[local], level)
 }
@@ -192,7 +192,7 @@ fn tetrahedra(triangle: &[u32]) -> [[(usize, bool); 4]; 3] {
     let first = (0..3).min_by_key(|&k| triangle[k]).unwrap_or_default();
     let [a, b, c] = [0, 1, 2].map(|k| (first + k) % 3);
     let (below, above) = (|node: usize| (node, false), |node: usize| (node, true));
-    // counter-clockwise from the smallest node: the order of the other two determines the division of the side over them
+    // Counter-clockwise from the smallest node; the order of the other two determines the division of the side above their edge.
     if triangle[b] < triangle[c] {
         [[below(a), below(b), below(c), above(c)], [below(a), below(b), above(c), above(b)], [below(a), above(b), above(c), above(a)]]
     } else {

@@ -26,7 +26,8 @@ pub(super) fn facet_key(nodes: impl Iterator<Item = u32>) -> FacetKey {
     key
 }
 
-/// Flat pieces of a face with `nodes` nodes, by indices of its nodes, each from a corner of the face if it has one.
+/// Flat pieces of a face with `nodes` nodes, as indices of its nodes. The first node of each piece is a corner of the face, except in a
+/// piece that has none.
 pub fn flat_pieces(nodes: usize) -> &'static [&'static [usize]] {
     match nodes {
         3 => &[&[0, 1, 2]],
@@ -37,7 +38,7 @@ pub fn flat_pieces(nodes: usize) -> &'static [&'static [usize]] {
     }
 }
 
-/// Flat pieces of a face with these nodes.
+/// Flat pieces of a face with the given nodes, as node numbers.
 pub fn pieces_of(face: &[u32]) -> Vec<Vec<u32>> {
     flat_pieces(face.len()).iter().map(|piece| piece.iter().map(|&k| face[k]).collect()).collect()
 }

@@ -51,7 +51,7 @@ impl Mesh {
             let along: f64 = (0..3).map(|i| u[i] * arm[i]).sum();
             let across = [u[1] * arm[2] - u[2] * arm[1], u[2] * arm[0] - u[0] * arm[2], u[0] * arm[1] - u[1] * arm[0]];
             let turned = [0, 1, 2].map(|i| center[i] + u[i] * along + (arm[i] - u[i] * along) * cosine + across[i] * sine);
-            // the plane stays exactly at z = 0
+            // Rotation about z leaves the third coordinate exactly unchanged.
             *point = if u[0] == 0.0 && u[1] == 0.0 { [turned[0], turned[1], point[2]] } else { turned };
         }
         self.checked()
@@ -134,7 +134,7 @@ mod tests {
         for (coarse, fine_boundary) in mesh.boundaries.iter().zip(&fine.boundaries) {
             assert_eq!((fine_boundary.name.as_str(), fine_boundary.facets.len()), (coarse.name.as_str(), 14));
             assert!((fine.boundary_measure(fine_boundary) - mesh.boundary_measure(coarse)).abs() < ROUND_OFF);
-            // still traversed with the body on the left
+            // The boundary is still traversed with the body on the left.
             let ends: Vec<Vec<u32>> = fine_boundary.facets.iter().map(|&f| fine.facet_nodes(f).collect()).collect();
             assert!(ends.windows(2).all(|pair| pair[0][1] == pair[1][0]));
         }
@@ -143,7 +143,7 @@ mod tests {
             assert_eq!(part.cell_count(), 4 * share);
             assert!((part.measure() - whole.measure()).abs() < ROUND_OFF);
         }
-        // the hull has exactly the facets of the boundaries
+        // The hull consists exactly of the facets of the boundaries.
         let mut named: Vec<Facet> = fine.boundaries.iter().flat_map(|b| b.facets.clone()).collect();
         named.sort_unstable();
         assert_eq!(fine.hull(), named);

@@ -19,7 +19,7 @@ use super::{CELL_LIMIT, MeshError};
 const ANGLE: f64 = 28.0;
 /// Ratio of area to squared requested edge length above which a triangle is too large; an equilateral one has 0.43.
 const LARGE: f64 = 0.6;
-/// Distance of a new vertex from the others, relative to the wanted edge, below which the vertex is left out.
+/// Smallest distance of a new vertex from other vertices, relative to the requested edge length; nearer vertices are not inserted.
 const NEAR: f64 = 0.6;
 
 type Faces = std::collections::HashSet<spade::handles::FixedFaceHandle<spade::handles::InnerTag>>;
@@ -42,7 +42,7 @@ pub(super) struct Rim {
     pub labels: Vec<String>,
     /// First vertex of each closed loop, then the number of vertices.
     pub loops: Vec<usize>,
-    /// Given midpoints of segments that lie on no curve.
+    /// Prescribed midpoints of segments that lie on no curve.
     pub middles: HashMap<usize, [f64; 2]>,
 }
 
@@ -71,7 +71,7 @@ impl Rim {
         let own = &self.vertices[first..];
         let area: f64 = (0..own.len()).map(|k| cross(own[k], own[(k + 1) % own.len()])).sum();
         if (area > 0.0) != is_counter_clockwise {
-            // the first vertex stays the first
+            // The first vertex keeps its position in the list.
             self.vertices[first + 1..].reverse();
             self.pieces[first..].reverse();
             self.pieces[first..].iter_mut().for_each(|(_, ends)| ends.reverse());
@@ -112,7 +112,7 @@ impl Rim {
         (0..self.vertices.len()).map(|k| cross(self.vertices[k], self.vertices[self.next[k]])).sum::<f64>() / 2.0
     }
 
-    /// Rim without pieces on the curves of another rim, with a curve for fronts with this label.
+    /// Empty rim with the curves of another rim, and one further curve with the label `front` for the inner ends of layers.
     pub fn of_curves(rim: &Rim, front: String) -> Rim {
         let mut rest = Rim { curves: rim.curves.clone(), names: rim.names.clone(), labels: rim.labels.clone(), ..Rim::default() };
         rest.curves.push(Curve::Line { from: [0.0; 2], to: [0.0; 2] });
@@ -121,12 +121,12 @@ impl Rim {
         rest
     }
 
-    /// Index of the curve of fronts, in a rim that has one.
+    /// Index of the curve of fronts; the rim must have been made by [`Rim::of_curves`].
     pub fn front(&self) -> usize {
         self.curves.len() - 1
     }
 
-    /// Adds a segment to the current loop, which begins at a point.
+    /// Adds a segment with the start point `from` to the current loop; returns its index.
     pub fn add_piece(&mut self, from: [f64; 2], piece: (usize, [f64; 2]), middle: Option<[f64; 2]>) -> usize {
         let number = self.vertices.len();
         self.vertices.push(from);
@@ -169,7 +169,7 @@ pub(super) struct Triangles {
 /// Triangulation with edges of about `factor` times the size.
 pub(super) fn triangulate<E: From<MeshError>>(rim: &Rim, size: &mut CellSize<E>, factor: f64) -> Result<Triangles, E> {
     if let CellSize::Even(even) = size {
-        // Estimate before memory is allocated.
+        // Estimate of the number of cells before memory is allocated.
         counted(rim.area() / (*even * *even))?;
     }
     let mut triangulation = constrained(rim)?;
@@ -186,7 +186,7 @@ pub(super) fn triangulate<E: From<MeshError>>(rim: &Rim, size: &mut CellSize<E>,
         size => fill(&mut triangulation, size, factor)?,
     }
     let outside: Faces = triangulation.refine(parameters).excluded_faces.into_iter().collect();
-    // refinement only adds vertices, so those of the rim stay at the beginning
+    // Refinement only adds vertices, so that those of the rim stay at the beginning.
     let vertices: Vec<[f64; 2]> = triangulation.vertices().map(|vertex| [vertex.position().x, vertex.position().y]).collect();
     let inside = triangulation.inner_faces().filter(|face| !outside.contains(&face.fix()));
     let triangles: Vec<[usize; 3]> = inside.map(|face| face.vertices().map(|vertex| vertex.fix().index())).collect();
@@ -220,7 +220,7 @@ fn constrained(rim: &Rim) -> Result<Constrained, MeshError> {
         }
         triangulation.add_constraint(from, to);
         if !triangulation.exists_constraint(from, to) {
-            // a vertex lies on it
+            // The constraint does not exist if a vertex lies on it.
             let on = (0..handles.len()).find(|&k| triangulation.exists_constraint(from, handles[k]) && rim.next[k] != piece && k != piece);
             return Err(rim.crossing(piece, on.unwrap_or(piece)));
         }
@@ -247,7 +247,7 @@ fn fill<E: From<MeshError>>(triangulation: &mut Constrained, size: &mut CellSize
             cells += factor * factor * excess;
             if excess > LARGE {
                 let circle = face.circumcenter();
-                // if the circumcenter is outside, the centroid of the triangle is used
+                // If the circumcenter is outside of the region, the centroid of the triangle is used.
                 let is_inside = matches!(triangulation.locate(circle), PositionInTriangulation::OnFace(face) if !outside.contains(&face));
                 let at = if is_inside { circle } else { center };
                 wanted.push((excess, [at.x, at.y], [center.x, center.y]));

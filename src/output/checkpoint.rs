@@ -333,9 +333,9 @@ pub fn places(run: &Path) -> Vec<PathBuf> {
 /// The operating system refused.
 pub fn remove_all(run: &Path) -> Result<(), OutputError> {
     let entries = std::fs::read_dir(run.join(FOLDER)).into_iter().flatten().flatten().map(|entry| entry.path());
-    // Where an open file cannot be unlinked.
+    // On systems that cannot unlink an open file, the file of rows is removed here.
     let is_rows = |name: &std::ffi::OsStr| name.to_string_lossy().starts_with(&format!("{ROWS}-"));
-    // Incomplete files of a killed process, too.
+    // Incomplete files of a killed process are removed, too.
     let is_ours = |ending: &std::ffi::OsStr| [POINTS, ASIDE, "part"].iter().any(|known| *known == ending);
     let logs = entries.filter(|path| {
         path.extension().is_some_and(is_ours) || path.file_name().is_some_and(|name| name == journal::NAME || is_rows(name))

@@ -27,7 +27,7 @@ pub struct RowStore {
 /// File of blocks.
 #[derive(Debug, Default)]
 struct Stored {
-    /// Files of the run.
+    /// Files of the run that has the history.
     run: Option<RunFiles>,
     file: Option<File>,
     length: u64,

@@ -25,9 +25,9 @@ const GROUP: usize = 1 << 17;
 /// Column of numbers or of words.
 #[derive(Clone, Copy, Debug)]
 pub enum Field<'a> {
-    /// Numbers.
+    /// Column of numbers.
     Numbers(&'a Column),
-    /// Words.
+    /// Column of texts.
     Texts(&'a TextColumn),
 }
 

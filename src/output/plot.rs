@@ -92,7 +92,7 @@ impl PlotAxis {
 /// Curves in a pair of axes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plot {
-    /// Text above.
+    /// Title above the diagram.
     pub title: String,
     /// Horizontal axis.
     pub x: PlotAxis,

@@ -204,7 +204,7 @@ mod tests {
         assert_eq!(series.times().collect::<Vec<_>>(), [0.0]);
         assert_eq!(fs::read_dir(directory.join("run/fields")).unwrap().count(), 1);
         assert_eq!(fs::read_to_string(directory.join("run/fields.pvd")).unwrap().matches("<DataSet").count(), 1);
-        // It settled where it was.
+        // The simulation has settled without motion: the frame of the same time is replaced.
         series.append(&Frame::new(0.1, &bodies), 1).unwrap();
         series.append(&Frame::new(0.1, &bodies), 2).unwrap();
         assert_eq!((series.times().collect::<Vec<_>>(), series.last()), (vec![0.0, 0.1], Some((0.1, 2))));

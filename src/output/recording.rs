@@ -125,7 +125,7 @@ impl Skin {
 pub struct Still {
     /// Row of the history.
     pub row: usize,
-    /// Number of nominal steps before.
+    /// Number of nominal steps from the start of the run to this state.
     steps: usize,
     /// Time `[time]`.
     pub time: f64,
@@ -301,7 +301,8 @@ fn shapes_of(placed: &[PlacedObstacle]) -> Vec<(usize, [f64; 3])> {
     placed.iter().map(|obstacle| (number(&obstacle.shape), obstacle.translation)).collect()
 }
 
-/// Returns minimum and maximum of each field of [`Field::BASIC`]. Magnitudes are compared by their squares, since this runs at most steps.
+/// Returns minimum and maximum of each field of [`Field::BASIC`]. Magnitudes are compared by their squares, because the function runs after
+/// most steps.
 fn extremes_of(body: &BodyFields, skin: &Skin) -> Vec<[f64; 2]> {
     let mut all = [[f64::INFINITY, f64::NEG_INFINITY]; Field::BASIC.len()];
     for node in skin.nodes.iter().map(|&node| node as usize) {

@@ -10,7 +10,7 @@ use super::plot::{Frame, Plot, PlotAxis};
 /// Values over two parameters.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Response {
-    /// Text above.
+    /// Title above the diagram.
     pub title: String,
     /// Horizontal axis.
     pub x: PlotAxis,

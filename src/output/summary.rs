@@ -309,7 +309,7 @@ pub struct Drifts {
 pub fn drifts<R: Rows + ?Sized>(rows: &R, loads_ended: f64, inertia: Option<Inertia>) -> Drifts {
     let length = |[x, y, z]: [f64; 3]| x.hypot(y).hypot(z);
     let [mut scale, mut worst, mut kinetic, mut momentum, mut angular] = [0.0; 5];
-    // The last row at that time: an equilibrium adds a row at the same time.
+    // Last row at or before the end of the loads; an equilibrium adds a second row at the same time.
     let (mut index, mut first) = (0, None);
     rows.visit(0, &mut |row| {
         raise(&mut scale, row.energy_scale());

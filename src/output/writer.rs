@@ -134,7 +134,7 @@ impl Drop for FieldWriter {
     fn drop(&mut self) {
         if let Some(Thread { frames, handle }) = self.thread.take() {
             drop(frames);
-            // The result has no receiver.
+            // The writer is dropped, so the series that the thread returns is discarded.
             let _ = handle.join();
         }
     }

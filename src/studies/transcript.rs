@@ -29,7 +29,7 @@ impl Transcript {
         self.warnings.get()
     }
 
-    /// Adds a text.
+    /// Appends a text to the file, up to its largest size.
     pub fn say(&self, text: &str) {
         let mut stream = self.stream.borrow_mut();
         // Failed writes are ignored; important files have errors of their own.

@@ -148,7 +148,7 @@ fn replace_word(content: &mut Vec<u8>, place: usize, random: &mut SplitMix) {
 }
 
 /// True if a content was read. A mesh that was read must be valid; a message must have a hint.
-#[allow(dead_code)] // not by every program
+#[allow(dead_code)] // some test programs do not call it
 pub fn judged(content: &[u8]) -> bool {
     if let Ok(deck) = read_deck_bytes(content, ReadOptions::default()) {
         deck.parts.iter().for_each(|part| assert_eq!(part.mesh.defects(), []));

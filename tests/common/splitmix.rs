@@ -18,7 +18,7 @@ impl SplitMix {
     }
 
     /// Random element of a slice.
-    #[allow(dead_code)] // not by every test program
+    #[allow(dead_code)] // some test programs do not call it
     pub fn pick<'a, T>(&mut self, from: &'a [T]) -> &'a T {
         &from[self.below(from.len())]
     }

@@ -25,7 +25,7 @@ pub const DEFECT: f64 = 1e-11;
 /// Largest growth of the energy over its scale: round-off and Newton's tolerance of 1e-13 in each step.
 pub const GAIN: f64 = 1e-11;
 
-/// Formulation of a scene.
+/// Dimension of a scene, with its assumption in the plane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Place {
     Plane(Plane),

@@ -119,7 +119,7 @@ where
         self.middle.iter().map(|x| x + self.spread * size * random.next()).collect()
     }
 
-    /// Displacements of positions.
+    /// Displacements `q - X` of the nodes at positions `q`.
     fn displacements(&self, q: &[f64]) -> Vec<f64> {
         q.iter().zip(&self.reference).map(|(q, x)| q - x).collect()
     }

@@ -62,7 +62,7 @@ fn every_method_with_every_enforcement_and_rule_keeps_what_it_promises() {
     }
 }
 
-/// Augmented Lagrange finds what solving for the multipliers finds: another way to the same step.
+/// Regression: augmented Lagrange and Lagrange multipliers give the same motion.
 #[test]
 fn augmented_lagrange_moves_as_multipliers_do() {
     for update in [&GAP, &PERSISTENCY] {

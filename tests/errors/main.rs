@@ -35,7 +35,7 @@ impl Observer for Recorder {
     fn ended(&self) {}
 }
 
-/// Numbers such as `-1.8e-6` in the messages of a record as `#`.
+/// Messages of a record with numbers such as `-1.8e-6` replaced by `#`.
 fn without_magnitudes(record: &str) -> String {
     let Some((script, messages)) = record.split_once("\n----\n") else { return record.into() };
     let is_part = |letter: char| letter.is_ascii_digit() || matches!(letter, '.' | 'e' | '-');

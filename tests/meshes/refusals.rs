@@ -52,7 +52,7 @@ impl Case {
             .map(|rest| rest.trim_start_matches(' '))
     }
 
-    /// Changed file.
+    /// Content of the file with the changes of the case.
     fn content(&self, base: &[u8]) -> Vec<u8> {
         let mut content = base.to_vec();
         for (from, to) in self.all("-").zip(self.all("+")) {

@@ -35,7 +35,7 @@ fn elongation(load_over_modulus: f64) -> f64 {
     d
 }
 
-/// A soft block falls on a floor and is compressed; a body of another stiffness lies elsewhere without contact.
+/// A soft block falls on a floor and is compressed, while a stiffer body lies elsewhere without contact.
 #[test]
 fn a_stiff_bystander_hides_no_imbalance() {
     const PRESSURE: f64 = 10.0;

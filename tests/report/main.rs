@@ -91,7 +91,7 @@ fn the_picture_plays_and_is_scrubbed_and_numbers_are_those_of_the_history() {
     page.open(&out.join("report.html"));
     assert_eq!(page.evaluate("document.querySelectorAll('script').length > 3 && document.getElementById('trouble').hidden"), json!(true));
 
-    // Scrubbed.
+    // Moving the time slider changes the picture.
     let start = page.evaluate(PICTURE);
     page.evaluate("(() => { const m = document.getElementById('moment'); m.value = 30; m.dispatchEvent(new Event('input')); })()");
     page.settle();
@@ -121,7 +121,7 @@ fn the_picture_plays_and_is_scrubbed_and_numbers_are_those_of_the_history() {
         }
     }
 
-    // Played, with the keyboard.
+    // The space key starts and stops the animation.
     page.evaluate("(() => { conserva.goToStill(0); document.getElementById('canvas').focus(); })()");
     page.press(" ");
     page.wait_for("conserva.still > 5");

@@ -103,7 +103,7 @@ fn interrupts_and_stops_change_nothing() {
     signal(&child, "-INT");
     let output = child.wait_with_output().unwrap();
     if output.status.code() == Some(0) {
-        return; // it was too fast
+        return; // the run completed before the signal
     }
     assert!(stderr(&output).contains("go on with `conserva resume k`"), "{}", stderr(&output));
     for until in ["0.22", "0.5"] {
@@ -111,7 +111,7 @@ fn interrupts_and_stops_change_nothing() {
         assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
         assert!(stderr(&output).contains("stopped at t ="), "{}", stderr(&output));
     }
-    // From elsewhere, by another path.
+    // Resumed from another folder, by another path.
     let output = run(home.parent().unwrap(), &["resume", &home.join("k").to_string_lossy()]);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     assert_same(&home.join("whole"), &home.join("k"), "interrupted");
@@ -168,7 +168,7 @@ fn joints_of_a_resumed_run_are_those_of_their_time() {
     wait_for_lines(&home.join("k"), &mut child, 130);
     signal(&child, "-KILL");
     if child.wait().unwrap().code().is_some() {
-        return; // it was too fast
+        return; // the run completed before the signal
     }
     let resumed = run(&home, &["resume", "k", "--quiet"]);
     assert_eq!(resumed.stdout, whole.stdout);
@@ -206,7 +206,7 @@ fn a_run_that_goes_on_is_not_resumed_beside_it() {
     let mut child = begun(&home, &["run", "main.rhai", "--quiet", "--out", "k", "--checkpoint", "5"]);
     wait_for_lines(&home.join("k"), &mut child, 60);
     if child.try_wait().unwrap().is_some() {
-        return; // it was too fast
+        return; // the run completed before the signal
     }
     let output = run(&home, &["resume", "k"]);
     assert_eq!(output.status.code(), Some(2));

@@ -53,7 +53,7 @@ fn a_resumed_run_goes_on_with_its_rows() {
     use std::os::unix::fs::MetadataExt;
     let home = killed("rows");
     if !home.join("k/checkpoints").exists() {
-        return; // it was too fast
+        return; // the run completed before the signal
     }
     let file = || std::fs::metadata(home.join("k/history.csv")).unwrap().ino();
     let before = file();
@@ -66,7 +66,7 @@ fn rows_that_are_not_those_of_the_checkpoint_are_written_again() {
     for damage in ["a digit", "an end", "a file"] {
         let home = killed(&format!("rows-{}", damage.replace(' ', "-")));
         if !home.join("k/checkpoints").exists() {
-            return; // it was too fast
+            return; // the run completed before the signal
         }
         let path = home.join("k/history.csv");
         let mut bytes = std::fs::read(&path).unwrap();

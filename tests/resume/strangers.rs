@@ -54,7 +54,7 @@ fn a_checkpoint_of_another_run_is_refused() {
         assert_eq!(output.status.code(), Some(2), "{message}");
         assert!(message.contains("those of another run") && message.contains("the one before it is sound"), "{message}");
     }
-    // The whole folder of checkpoints, too.
+    // The whole folder of checkpoints replaced by that of another run.
     std::fs::remove_dir_all(home.join("k/checkpoints")).unwrap();
     std::fs::rename(home.join("short/checkpoints"), home.join("k/checkpoints")).unwrap();
     let output = run(&home, &["resume", "k"]);
@@ -70,7 +70,7 @@ fn a_result_never_takes_the_place_of_what_the_run_reads() {
     assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
     assert!(stderr(&output).contains("history.csv\" is read by this run"), "{}", stderr(&output));
     assert_eq!(std::fs::read_to_string(home.join("history.csv")).unwrap(), SHORT);
-    // Not even if the record of files names it.
+    // A file that the run reads is not replaced, even if the record of files names it.
     std::fs::write(home.join(".files"), "history.csv\ntable.csv\n").unwrap();
     std::fs::write(home.join("table.csv"), "t,a\n0,1\n").unwrap();
     std::fs::write(home.join("main.rhai"), format!("let a = read_csv(\"table.csv\");{SHORT}sim.table(\"table.csv\", [\"time\"]);"))

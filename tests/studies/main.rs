@@ -68,7 +68,7 @@ fn every_kind_of_design_has_its_points() {
     let after = records(&folder.join("out/main-sweep"));
     assert_eq!((before.len(), after.len()), (6, 9));
     assert!(before.iter().all(|(point, record)| after[point] == *record));
-    // Side by side, from a file, sampled.
+    // Zipped lists, points from a file, samples.
     run_to(&folder, &["sweep", "main.rhai", "--vary", "a=1,2", "--vary", "word=x,y", "--zip", "--out", "zip"], 0);
     assert_eq!(column(&table(&folder.join("zip")), "said"), ["x, \"quoted\"", "y, \"quoted\""]);
     std::fs::write(folder.join("points.csv"), "b, word\n3,\"odd, one\"\n4, plain\n").unwrap();

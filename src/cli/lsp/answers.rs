@@ -182,7 +182,7 @@ fn rename(documents: &Documents, parameters: RenameParams) -> Result<Value, Refu
     let name = parameters.new_name;
     let places = document.rename(byte, &name).map_err(|cause| (ErrorCode::InvalidParams, cause))?;
     let edits = places.into_iter().map(|range| TextEdit::new(range_of(document.text(), &range), name.clone()));
-    #[allow(clippy::mutable_key_type)] // of the protocol's type
+    #[allow(clippy::mutable_key_type)] // the protocol defines the key type
     let changes = HashMap::from([(uri, edits.collect())]);
     shown(Some(WorkspaceEdit { changes: Some(changes), ..WorkspaceEdit::default() }))
 }
@@ -195,7 +195,7 @@ fn symbols(documents: &Documents, parameters: &DocumentSymbolParams) -> Result<V
         Role::Module => SymbolKind::MODULE,
         Role::Variable | Role::Parameter => SymbolKind::VARIABLE,
     };
-    #[allow(deprecated)] // a field that must be written
+    #[allow(deprecated)] // the protocol's struct requires the deprecated field
     let symbol = |(name, role, range): (&str, Role, std::ops::Range<usize>)| SymbolInformation {
         name: name.into(),
         kind: kind(role),

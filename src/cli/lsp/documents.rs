@@ -36,7 +36,7 @@ impl Documents {
     /// Set without texts, for an editor with these capabilities.
     pub fn new(editor: &InitializeParams, settings: Settings, patience: Duration) -> Self {
         let folder = editor.workspace_folders.as_ref().and_then(|folders| folders.first()).map(|folder| &folder.uri);
-        #[allow(deprecated)] // what older editors send
+        #[allow(deprecated)] // older editors send the deprecated field
         let root = folder.or(editor.root_uri.as_ref()).and_then(file_of);
         let completion = editor.capabilities.text_document.as_ref().and_then(|of| of.completion.as_ref());
         let item = completion.and_then(|of| of.completion_item.as_ref());

@@ -45,7 +45,7 @@ impl FrictionLaw for Coulomb {
         };
         let over = self.static_ratio - 1.0;
         let mu = coefficient * (1.0 + over * rest);
-        // A stress that does not vanish with the pressure admits no equilibrium where a node opens.
+        // With a shear stress that remains at zero pressure there would be no equilibrium at a node that opens.
         let (adhesion, bound) = (self.adhesion * rest, ROUGH * pressure);
         let is_bound = adhesion > bound;
         let dry = mu * pressure + adhesion.min(bound);
@@ -74,8 +74,8 @@ impl FrictionLaw for Coulomb {
     }
 }
 
-/// Largest ratio of shear stress to pressure, also the coefficient of rough surfaces. Without this bound a node that opens would lose a
-/// finite shear stress at once, and the step would have no solution.
+/// Largest ratio of shear stress to pressure, also the coefficient of rough surfaces. Without this bound a finite shear stress would vanish
+/// at once when a node opens, and the step would have no solution.
 pub const ROUGH: f64 = 10.0;
 
 #[cfg(test)]

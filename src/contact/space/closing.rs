@@ -1,17 +1,20 @@
-//! Part of the gap closed by the height profiles of two triangles (`profiles.rs`), with derivatives; used by `pair.rs` and `polygon.rs`.
+//! Part of the gap that is closed by the height profiles of two triangles (`profiles.rs`), with derivatives; used by `pair.rs` and
+//! `polygon.rs`.
 //!
-//! With the secondary profile `B_1(L)`, the primary profile `B_2(M)`, and the slope `m` of the primary triangle to the plane of projection,
+//! With the secondary profile `B_1(L)`, the primary profile `B_2(M)`, and the slope `m` of the primary triangle relative to the plane of
+//! projection,
 //!
 //! ```text
 //! C = B_1 + B_2 (1 + |mu|^2/2) - B_2 mu.grad B_2,      mu = m/(1 + |m|^2/2)                     [length]
 //! ```
 //!
-//! A point of the primary curve at the height `B` over `xi` projects to `xi + m B/c`, lower than the triangle there by `c B`,
-//! `c^2 = 1 + |m|^2`. `C` equals `B_1 + c B_2(p - m B_2/c)` to second order in `m`; the bounded `mu` keeps steep pairs finite. On a polygon
-//! `C` is a cubic polynomial, so that a rule of degree four and three Gauss points per edge are exact for every subdivision of the polygon.
+//! A point of the primary curve at the height `B` over `xi` projects to `xi + m B/c`, lower than the triangle there by `c B`, `c^2 = 1 +
+//! |m|^2`. `C` equals `B_1 + c B_2(p - m B_2/c)` to second order in `m`; the bounded `mu` keeps steep pairs finite. On a polygon `C` is a
+//! cubic polynomial, so that a rule of degree four and three Gauss points per edge are exact for every subdivision of the polygon.
 //!
-//! The profiles contribute `-int W C dA` to `Phi`. With `q_k = mu.grad M_k`, `e = 1 + |mu|^2/2 - sum q_k dB_2/dM_k`, `A = int W B_2`,
-//! `Q = -int W B_2 grad B_2` and `G = (d mu/d m)(A mu + Q)` its derivatives, without those of edges (`polygon.rs`), are
+//! The profiles contribute `-int W C dA` to `Phi`. With `q_k = mu.grad M_k`, `e = 1 + |mu|^2/2 - sum q_k dB_2/dM_k`, `A = int W B_2`, `Q =
+//! -int W B_2 grad B_2` and `G = (d mu/d m)(A mu + Q)`, the derivatives of this contribution, without those of the polygon's edges
+//! (`polygon.rs`), are
 //!
 //! ```text
 //! d/dp_j =   int N_j (W grad B_1 + C grad W) dA
@@ -54,22 +57,23 @@ pub struct Closing<T> {
     slope: [T; 2],
     per: T,
     mu: [T; 2],
-    /// `1 + |mu|^2/2`, `q_k`, and `2 sum_k b_ik q_k` with the coefficients `b` of the primary form.
+    /// `even`: `1 + |mu|^2/2`; `q`: `q_k`; `r`: `2 sum_k b_ik q_k` with the coefficients `b` of the primary profile.
     even: T,
     q: [T; 3],
     r: [T; 3],
 }
 
-/// One value per side, secondary first.
+/// Pair of values, one per side, secondary first.
 type OfBoth2<T> = [T; 2];
 
 /// Integrals over a polygon from which the forces of profiles are computed.
 struct Integrals<T, R> {
-    /// `int W N_j` and `int W M_j` times differences of the derivatives of `B_1` and `C` with respect to shape functions.
+    /// Integrals `int W N_j` and `int W M_j` times the derivatives of `B_1` and `C` with respect to the second and third shape function
+    /// minus that with respect to the first one.
     of_slopes: [[[R; 2]; 3]; 2],
     /// Integrals `int C N_j` of the closed gap `C`.
     closed: [T; 3],
-    /// `A`, and `Q` as differences of derivatives with respect to shape functions.
+    /// Integral `A`; `tilt`: components of `Q` along the gradients of the second and third shape function.
     height: R,
     tilt: [R; 2],
 }
@@ -79,7 +83,7 @@ fn plane_product<T: Copy, R: Number + Mul<T, Output = R>>(a: [R; 2], b: [T; 2]) 
     a[0] * b[0] + a[1] * b[1]
 }
 
-/// Differences of the second and third number to the first one.
+/// Differences of the second and third number from the first one.
 #[inline(always)]
 fn differences<T: Number>(of: &[T; 3]) -> [T; 2] {
     [of[1] - of[0], of[2] - of[0]]
@@ -119,7 +123,7 @@ impl<T: Number> Closing<T> {
         Closing { forms, gradients, slope, per, mu, even, q, r: derivatives(&forms[1], &q) }
     }
 
-    /// Factor `e` of the primary height, from its derivatives.
+    /// Factor `e` of the primary height, from the derivatives of the primary profile.
     #[inline(always)]
     fn factor(&self, rises: &[T; 3]) -> T {
         self.even - (self.q[0] * rises[0] + self.q[1] * rises[1] + self.q[2] * rises[2])

@@ -24,21 +24,23 @@ use crate::contact::surface::{Sides, Surface};
 use crate::contact::window::PredictedMotion;
 use crate::integrators::{Configuration, Derivative, PatchFunction, Projection};
 
-/// Constraints per feature, as for a vertex in a pocket; for balls: constraints for all facets around a node, and largest radius in facets.
+/// Largest number of constraints of a feature, such as a vertex in a pocket. `OF_BALL`: number of constraints of a ball, for all facets
+/// around a node, and its largest radius in facet sizes.
 pub(super) const SLOTS: usize = 3;
 pub(super) const OF_BALL: (usize, f64) = (6, 3.0);
 
 /// Search distance beyond the required one, in smallest facets.
 const SPARE: f64 = 1.0;
 
-/// Penetration and opening up to which a constraint is considered, in smallest facets.
+/// Largest penetration at which a constraint is considered, in smallest facets; `OPEN`: largest opening.
 const DEEP: f64 = 0.55;
 const OPEN: f64 = 0.25;
 
-/// Sine of the angle between two edges below which they have no constraint; the vertices on them have constraints then.
+/// Sine of the smallest angle between two edges with a constraint; nearly parallel edges are constrained by their vertices.
 const CROSSING: f64 = 0.05;
 
-/// Cosine up to which material next to a feature may rise along the normal, and the stricter one for constraints that dominate others.
+/// Largest cosine of the angle between the constraint's normal and the directions into the material next to a feature, which must recede;
+/// `STRICT`: value for constraints that dominate others.
 const CONE: f64 = 0.1;
 const STRICT: f64 = 0.01;
 
@@ -60,24 +62,24 @@ pub struct CornersInSpace {
     pub(super) owners: Surface,
     pub(super) partners: Surface,
     candidates: Candidates,
-    /// A node of each feature with constraints.
+    /// One node of each feature with constraints, to which output assigns them.
     row_nodes: Vec<u32>,
     pub(super) kinds: Vec<Kind>,
     /// Constraint slot of each contact element and its gap function in this step; `None` without a constraint.
     pub(super) rows: Vec<Option<(usize, Measure)>>,
     start: Vec<Vec<f64>>,
-    /// True if other kernels constrain the vertices of the secondary side.
+    /// True if another kernel constrains the vertices of the secondary side.
     pub(super) has_nodal_rows: bool,
-    /// Radius of a ball whose center is the only point of the primary side.
+    /// Radius of a ball, whose center is the only point of the primary side `[length]`.
     pub(super) radius: f64,
     pub(super) slots: usize,
     /// Height profiles of the facets of both sides.
     profiles: [Profiles; 2],
     /// Reference warp of each facet of both sides, half the height difference of its nodes; 0 on curved surfaces `[length]`.
     warps: [Vec<f64>; 2],
-    /// Offset added to the gap of each contact element.
+    /// Offset added to the gap of each contact element `[length]`.
     clearances: Vec<f64>,
-    /// Data of nodal constraints for all secondary nodes (`nodes.rs`); `None` for sharp features.
+    /// Data of constraints for all secondary nodes (node-to-segment method, `nodes.rs`); `None` if only sharp features have constraints.
     pub(super) of_nodes: Option<NodalRows>,
 }
 
@@ -92,7 +94,8 @@ impl CornersInSpace {
             return None;
         }
         let facet_size = secondary.shortest_facet(reference).min(primary.shortest_facet(reference));
-        // Gaps to facets of a curved surface are measured to the curve, which may be a pure twist within a facet: its own height is then 0.
+        // Gaps to facets of a curved surface are measured to the curve. A curved surface can be a pure twist within a facet, with zero
+        // height over it; such facets are recognized by the heights of their neighbors.
         let warps = [(secondary, &profiles[0]), (primary, &profiles[1])].map(|(side, profiles)| {
             let is_flat = |node: u32| {
                 let around = side.index(node).map_or(&[][..], |index| side.adjacent_facets(index));
@@ -140,14 +143,14 @@ impl CornersInSpace {
         if side == 0 { &self.sides.secondary } else { &self.sides.primary }
     }
 
-    /// Features of a listed pair; `None` for pairs that are no contact.
+    /// Features of a candidate pair; `None` for pairs without a contact function, such as an edge and a facet.
     fn kind(&self, owner: usize, partner: usize) -> Option<Kind> {
         let vertices = [0, 1].map(|side| self.features[side].vertices.len());
         let facets = [self.sides.primary.count(), self.sides.secondary.count()];
         let (side, vertex) = if owner < vertices[0] { (0, owner) } else { (1, owner - vertices[0]) };
         if vertex < vertices[side] {
             let facet = if side == 0 { Some(partner) } else { partner.checked_sub(facets[0]) };
-            // A ball has no facets.
+            // A ball is represented by a point and has no facets.
             let is_facet = |facet: usize| facet < facets[side] && self.surface(1 - side).facet(facet).len() > 2;
             return facet.filter(|&facet| is_facet(facet)).map(|facet| Kind::Vertex { side, vertex, facet });
         }
@@ -169,8 +172,9 @@ impl CornersInSpace {
         self.sides.list_slips();
     }
 
-    /// Overlap of features of touching curved surfaces `[length]`: facets lie above a hollow surface by up to 1.5 times its mean height,
-    /// points of a convex surface are raised by that height unless they are bumps; nodes of a warped facet lie behind its plane.
+    /// Overlap of the features of touching curved surfaces `[length]`. The middles of facets lie above a hollow surface by up to 1.5 times
+    /// its mean height; points of a convex surface are raised by its mean height unless they are bumps; nodes of a warped facet lie behind
+    /// its mean plane.
     fn clearance(&self, kind: Kind) -> f64 {
         match kind {
             Kind::Vertex { vertex, .. } if let Some(rows) = &self.of_nodes => -rows.heights[vertex],
@@ -190,17 +194,18 @@ impl CornersInSpace {
         }
     }
 
-    /// Feature to which the constraints of a contact element belong.
+    /// Index of the feature to which the constraints of a contact element belong.
     pub(super) fn owner(&self, patch: usize) -> usize {
         self.sides.patches.rows(patch)[0] as usize / self.slots
     }
 
-    /// Gap of a contact element for the gap function `measure`.
+    /// Gap of a contact element by the gap function `measure`, with its offset.
     fn gap_of(&self, patch: usize, measure: Measure, z: &[f64]) -> f64 {
         measure.gap(z.as_chunks().0) + self.clearances[patch] - self.radius
     }
 
-    /// Selects the constraints of a step from the states of all feature pairs in `configurations`: its start and its predicted end.
+    /// Selects the constraints of a step from the states of all feature pairs in `configurations`: the start and the predicted end of the
+    /// step.
     fn choose(&mut self, configurations: &[&[f64]], predicted_motion: &PredictedMotion) {
         let mut chosen: Vec<Option<Found>> = vec![None; self.kinds.len()];
         for q in configurations {
@@ -221,7 +226,7 @@ impl CornersInSpace {
         let mut of_owner: Vec<Found> = chosen.into_iter().flatten().collect();
         of_owner.sort_by_key(|row| (self.owner(row.patch), row.patch));
         for rows in of_owner.chunk_by_mut(|a, b| self.owner(a.patch) == self.owner(b.patch)) {
-            // The deepest constraints fill the slots.
+            // The constraints with the deepest penetration fill the slots.
             rows.sort_by(|a, b| a.gap.total_cmp(&b.gap));
             let mut kept: Vec<Found> = rows.iter().take(self.slots).copied().collect();
             kept.sort_by_key(|row| row.patch);
@@ -232,7 +237,7 @@ impl CornersInSpace {
         self.rows = chosen_rows;
     }
 
-    /// Keeps, for each vertex, the nearest of the facets with nearly equal normals.
+    /// For each vertex, keeps only the nearest one of facets with nearly equal normals.
     fn nearest_facets(&self, mut found: Vec<Found>) -> Vec<Found> {
         found.sort_by_key(|row| (self.owner(row.patch), row.patch));
         let mut kept: Vec<Found> = Vec::with_capacity(found.len());
@@ -249,7 +254,8 @@ impl CornersInSpace {
         kept
     }
 
-    /// Penetration of a constraint: for a vertex near an edge of the other body the least one behind the facets adjacent to that edge.
+    /// Penetration of a constraint. For a vertex near an edge of the other body, the smallest penetration behind the facets adjacent to
+    /// that edge.
     fn depth(&self, row: &Found, q: &[f64]) -> f64 {
         let size = self.sides.facet_size;
         let predicted_motion = PredictedMotion::within(q, size);
@@ -311,7 +317,7 @@ impl CornersInSpace {
         }
     }
 
-    /// Number of nodes of the owning feature in a contact element.
+    /// Number of nodes that the owning feature contributes to a contact element.
     fn owners_nodes(&self, patch: usize) -> usize {
         if matches!(self.kinds[patch], Kind::Vertex { .. }) { 1 } else { 2 }
     }

@@ -7,7 +7,7 @@ use crate::contact::surface::Surface;
 
 impl CornersInSpace {
     /// Constraints of a surface against a rigid obstacle, whose nodes are part of `positions`; `None` for obstacles without sharp features.
-    /// Vertices of the surface are constrained elsewhere. `facet_size` is that of the whole contact `[length]`.
+    /// Vertices of the surface have constraints elsewhere. `facet_size` is that of the whole contact `[length]`.
     pub(crate) fn of_obstacle(surface: Surface, obstacle: Surface, positions: &[f64], facet_size: f64) -> Option<Box<dyn ContactKernel>> {
         let features = [Features::with_smooth_edges(&surface, positions), Features::new(&obstacle, positions)];
         if features[1].vertices.is_empty() {

@@ -1,7 +1,7 @@
-//! Test of the penetration of convex bodies that constraints of vertices and edges (`corners.rs`) detect, for random pairs of features.
+//! Test of the penetration of convex bodies that the constraints of vertices and edges (`corners.rs`) detect, for random pairs of features.
 //!
-//! Oracle: the least translation that separates two convex polyhedra, over the normals of all faces and cross products of all edges. It
-//! does not use facets, constraints or candidates.
+//! Oracle: the least translation that separates two convex polyhedra, over the normals of all faces and cross products of all edges. It is
+//! independent of facets, constraints and candidates.
 
 use nalgebra::{Rotation3, Vector3};
 
@@ -86,7 +86,7 @@ impl Solid {
     }
 }
 
-/// Length of the least translation that separates two bodies; negative: distance along the best axis.
+/// Length of the least translation that separates two bodies; if they are apart, the negative distance along the best axis.
 fn depth(a: &Solid, b: &Solid) -> f64 {
     let products: Vec<Vector> = a.edges().flat_map(|one| b.edges().map(move |other| one.cross(&other))).collect();
     let axes = a.normals().chain(b.normals()).chain(products.into_iter().filter_map(|axis| axis.try_normalize(1e-9)));
@@ -97,7 +97,7 @@ fn depth(a: &Solid, b: &Solid) -> f64 {
     .fold(f64::INFINITY, f64::min)
 }
 
-/// Penetration detected by the constraints, and the facet size.
+/// Penetration detected by the constraints, and facet size.
 fn seen(upper: &Solid, lower: &Solid) -> [f64; 2] {
     let q: Vec<f64> = upper.points.iter().chain(&lower.points).flat_map(|x| [x.x, x.y, x.z]).collect();
     let first = upper.points.len() as u32;
@@ -112,7 +112,7 @@ fn seen(upper: &Solid, lower: &Solid) -> [f64; 2] {
     [gaps.fold(0.0, |deepest: f64, gap| deepest.max(-gap)), size]
 }
 
-/// Rotation that places a body on a face (0), an edge (1) or a corner (2).
+/// Random rotation that places a body on a face (0), an edge (1) or a corner (2).
 fn standing(random: &mut Random, on: usize) -> Rotation3<f64> {
     let noise = Vector::from_fn(|_, _| random.next());
     let tilt = Rotation3::new(noise * if random.next() > 0.5 { 0.2 } else { 0.0 });
@@ -122,7 +122,7 @@ fn standing(random: &mut Random, on: usize) -> Rotation3<f64> {
         1 => on_edge,
         _ => Rotation3::new(Vector::y() * (1.0f64 / 2f64.sqrt()).atan()) * on_edge,
     };
-    // Rotations about the vertical of all sizes, including parallel edges.
+    // Rotation about the vertical by a random angle, including parallel edges.
     let spin = match (random.between(0.0, 4.0)) as usize {
         0 => 0.0,
         1 => 10f64.powf(random.between(-2.5, -1.0)),
@@ -135,7 +135,7 @@ fn shape(random: &mut Random) -> Solid {
     let cells = [2, 3, 4][random.between(0.0, 2.999) as usize];
     match random.between(0.0, 3.999) as usize {
         0 => Solid::new(cells, |x| x),
-        // Plate.
+        // Plate: cube compressed in the third direction.
         1 => Solid::new(cells, |x| Vector::new(x.x, x.y, 0.4 * x.z)),
         // Tapered prism.
         2 => Solid::new(cells, |x| Vector::new(x.x * (0.6 - 0.7 * x.z), x.y, x.z)),
@@ -144,7 +144,7 @@ fn shape(random: &mut Random) -> Solid {
     }
 }
 
-/// Errors in one configuration in facet sizes: undetected penetration, and detected penetration in excess of the true one.
+/// Errors in one configuration, in facet sizes: undetected penetration, and detected penetration beyond the true one.
 fn study(random: &mut Random, kind: usize, wanted: f64) -> Option<[f64; 2]> {
     let (a, b) = (shape(random), shape(random));
     let lower = b.moved(&standing(random, kind % 3), Vector::zeros());

@@ -21,19 +21,19 @@ use crate::contact::numbers::Each;
 use crate::contact::search::PairSearch;
 use crate::contact::surface::{Sides, Surface};
 
-/// Covered shares of a facet between which dual functions replace standard ones. Facets at coinciding borders stay covered by more than the
-/// upper value as bodies deform. Above the lower value all integrals are positive.
+/// Range of the covered fraction of a facet in which standard functions are blended into dual ones. Facets at coinciding borders keep a
+/// larger fraction than the upper value as bodies deform. Above the lower value all integrals are positive.
 const PARTLY: [f64; 2] = [0.75, 0.9];
 
-/// Multiplier shape functions of a facet as coefficients `C` of its own shape functions; `None` for the identity.
+/// Multiplier shape functions of a facet as coefficients `C` of its standard shape functions; `None` for the identity.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shape(Option<[[f64; CORNERS]; CORNERS]>);
 
 impl Shape {
-    /// Shape functions of the facet.
+    /// Standard shape functions of the facet.
     pub const STANDARD: Shape = Shape(None);
 
-    /// Dual functions for these positions of the nodes; standard ones for folded facets or facets without area.
+    /// Dual functions for the given positions of the nodes; standard functions for facets that are folded or have no area.
     fn dual(nodes: &[Vec3<f64>]) -> Shape {
         let of_pair = |both: &[Vec3<f64>]| {
             let mass = Pair::new(both, [nodes.len(); 2])?.mortar_weights();
@@ -41,7 +41,7 @@ impl Shape {
             let (shares, inverse) = (mass.column_sum(), mass.cholesky()?.inverse());
             Some(array::from_fn(|j| array::from_fn(|k| if j.max(k) < nodes.len() { shares[j] * inverse[(j, k)] } else { 0.0 })))
         };
-        // Pair of the facet with its own reverse: its mortar integrals are the mass matrix of the facet.
+        // The mortar integrals of the facet with its own reverse are its mass matrix.
         Shape(of_pair(&nodes.iter().chain(nodes.iter().rev()).copied().collect::<Vec<_>>()))
     }
 
@@ -53,19 +53,19 @@ impl Shape {
         if share > 0.0 { Shape(self.0.as_ref().map(of)) } else { Shape::STANDARD }
     }
 
-    /// Combination of values for the facet's shape functions to those for the multiplier shape functions, `C own`.
+    /// Transforms values for the standard shape functions into values for the multiplier shape functions, `C own`.
     #[inline(always)]
     pub fn of<T: Copy + Add<Output = T> + Mul<f64, Output = T>>(&self, own: [T; CORNERS]) -> [T; CORNERS] {
         let Shape(Some(by)) = self else { return own };
         by.map(|by| own[0] * by[0] + own[1] * by[1] + own[2] * by[2] + own[3] * by[3])
     }
 
-    /// Combination of gradients for the facet's shape functions to those for the multiplier shape functions.
+    /// Transforms gradients for the standard shape functions into gradients for the multiplier shape functions.
     pub fn of_gradients(&self, own: Gradients) -> Gradients {
         if self.0.is_none() { own } else { own.map(|node| node.map(|each| Each(self.of(each.0)))) }
     }
 
-    /// Combination of lists of values for the facet's shape functions to those for the multiplier shape functions.
+    /// Transforms lists of values for the standard shape functions into lists for the multiplier shape functions.
     pub fn of_lists<T: Copy + Add<Output = T> + Mul<f64, Output = T>, const N: usize>(
         &self,
         mut own: [[T; N]; CORNERS],
@@ -77,7 +77,7 @@ impl Shape {
         own
     }
 
-    /// Weights `C^T w` of the facet's shape functions in the sum of the multiplier shape functions with weights `w`.
+    /// Weights `C^T w` of the standard shape functions in a sum of the multiplier shape functions with the weights `w`.
     pub fn back(&self, weights: [f64; CORNERS]) -> [f64; CORNERS] {
         let Shape(Some(by)) = self else { return weights };
         array::from_fn(|k| (0..CORNERS).map(|j| by[j][k] * weights[j]).sum())
@@ -94,7 +94,7 @@ pub struct Duals {
 }
 
 impl Duals {
-    /// Dual functions of a surface for these reference positions; standard ones are active until a step begins.
+    /// Dual functions of a surface for the given reference positions; standard functions are active until a step begins.
     pub fn new(surface: &Surface, reference: &[f64]) -> Self {
         let of = |facet: usize| {
             let nodes: Vec<Vec3<f64>> = surface.facet(facet).iter().map(|&node| faces::at(node, reference).into()).collect();
@@ -111,12 +111,13 @@ impl Duals {
     /// Selects the functions for a step from `q_0`; `pair` returns pairs with overlapping facets.
     ///
     /// Dual functions are partly negative, so that an opening of a partly covered facet would count as penetration. They are used on facets
-    /// covered by active pairs whose neighbors have opposite facets within a facet's length. A requirement of active pairs at the neighbors
-    /// would change functions, and thus active constraints, throughout rolling. The functions are interpolated to the standard ones as the
-    /// covered share decreases: a jump would change the forces with any motion, without an equilibrium.
+    /// covered by participating pairs whose neighbors have opposite facets within a facet's length. If the neighbors, too, had to be
+    /// covered by participating pairs, functions, and thus active constraints, would change throughout rolling. As the covered fraction
+    /// decreases, the functions are blended into the standard ones: a jump would change the forces with any small motion, without an
+    /// equilibrium.
     pub fn choose(&mut self, search: &PairSearch, sides: &Sides, q_0: &[f64], pair: impl Fn(usize) -> Option<Pair<f64>>) {
         let secondary = &sides.secondary;
-        // Covered area of each facet, projected along its normal: by pairs that take part, and by these and open pairs.
+        // Covered area of each facet, projected along its normal: by participating pairs, and by participating and open pairs.
         let mut covered = vec![[0.0; 2]; secondary.count()];
         for (p, &[own, _]) in search.candidates.pairs().iter().enumerate() {
             if !search.near[p] && !search.is_beside(p, sides, q_0) {
@@ -142,7 +143,7 @@ impl Duals {
     }
 }
 
-/// Weight of the dual functions for a covered share.
+/// Share of the dual functions in the blend, for a given covered fraction.
 fn part(share: f64) -> f64 {
     ((share - PARTLY[0]) / (PARTLY[1] - PARTLY[0])).clamp(0.0, 1.0)
 }
@@ -208,7 +209,7 @@ mod tests {
         #[test]
         fn dual_functions_are_biorthogonal_to_those_of_the_facet(nodes in facets()) {
             let count = nodes.len();
-            // Opposite a larger facet.
+            // Pair with a larger opposite facet, so that the facet is fully covered.
             let all = [[-9.0, 9.0, 1.0], [9.0, 9.0, 1.0], [9.0, -9.0, 1.0], [-9.0, -9.0, 1.0]];
             let x: Vec<Vec3<f64>> = nodes.iter().copied().chain(all).collect();
             let pair = Pair::new(&x, [count, 4]).expect("it has an area");
@@ -220,7 +221,7 @@ mod tests {
                     prop_assert!((integral - expected).abs() < 1e-14, "{j} {k}: {integral} {expected}");
                 }
             }
-            // Integrals equal those of the shape functions, and the sum is one.
+            // The integrals of dual functions equal those of the standard functions, and dual functions sum to one.
             for (dual, own) in shape.of(shares).iter().zip(shares) {
                 prop_assert!((dual - own).abs() < 1e-14);
             }
@@ -266,8 +267,8 @@ mod tests {
             }
         }
 
-        /// Gradients and tangents along a random direction against one-sided difference quotients that agree; with kinks instead of bands,
-        /// in which the tangent of a discrete gradient is not exact.
+        /// Gradients and tangents along a random direction against one-sided difference quotients that agree; with kinks in place of bands,
+        /// since within a band the tangent of a discrete gradient is not exact.
         #[test]
         fn gradients_and_tangents_are_derivatives(
             (q_0, q_1) in steps(),

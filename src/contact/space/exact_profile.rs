@@ -12,7 +12,7 @@ pub(super) fn exact_profile(height_of: impl Fn(Vector, Vector) -> Option<f64>, n
     let height = |x: Vector| height_of(x, normal);
     let points: Vec<Vector> = nodes.iter().map(|&node| faces::at(node, q)).collect();
     let corners: Vec<f64> = points.iter().map(|&x| height(x)).collect::<Option<_>>()?;
-    // Three halves of the mean height over the chord of the curve along a line, by Boole's rule.
+    // Sagitta of the curve over a line: three halves of the mean height over the chord, as for a parabola; mean by Boole's rule.
     let sagitta = |from: Vector, to: Vector, [a, b]: [f64; 2]| {
         let inner = [(0.25, 32.0), (0.5, 12.0), (0.75, 32.0)].map(|(s, weight)| height(from.lerp(&to, s)).map(|z| weight * z));
         let mean = (7.0 * (a + b) + inner.into_iter().sum::<Option<f64>>()?) / 90.0;
@@ -33,7 +33,7 @@ pub(super) fn exact_profile(height_of: impl Fn(Vector, Vector) -> Option<f64>, n
     for (k, spoke) in spokes.iter_mut().enumerate() {
         *spoke = sagitta(points[k], center, [corners[k], middle])?;
     }
-    // Spokes take the difference to the mean height of each triangle, by a rule of degree four.
+    // The sagittas from corners to the mean point are corrected so that each triangle has its exact mean height, by a rule of degree four.
     let mut missing = [0.0; 4];
     for (k, missing) in missing.iter_mut().enumerate() {
         let next = (k + 1) % 4;

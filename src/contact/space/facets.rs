@@ -39,7 +39,7 @@ pub struct Facets {
     /// Sides; empty without re-entrant edges.
     sides: Vec<RTree<Face>>,
     side_of: Vec<usize>,
-    /// Adjacent sides of each side across re-entrant edges.
+    /// For each side, the adjacent sides across re-entrant edges.
     rising: Vec<Vec<usize>>,
 }
 
@@ -78,7 +78,7 @@ impl PartialEq for Facets {
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Place {
     Face,
-    /// Edge from this corner to the next one.
+    /// Edge from the given corner (0 to 2) to the next one.
     Edge(usize),
     Vertex(usize),
 }
@@ -91,9 +91,9 @@ struct Face {
     normal: Vector3<f64>,
     of_edges: [Vector3<f64>; 3],
     of_vertices: [Vector3<f64>; 3],
-    /// True for each edge, and each vertex, at which the surface ends.
+    /// True for each edge, and for each vertex, at which the surface ends.
     ends: [[bool; 3]; 2],
-    /// True for each edge, and each vertex, at a re-entrant border to another side, beyond which this side continues as a plane.
+    /// True for each edge, and for each vertex, at a re-entrant border to another side, across which this side is continued as a plane.
     goes_on: [[bool; 3]; 2],
     /// True for each sharp edge that is not re-entrant.
     is_sharp: [bool; 3],
@@ -147,7 +147,7 @@ impl Face {
             Place::Edge(k) => (self.of_edges[k], !self.ends[0][k], self.goes_on[0][k]),
             Place::Vertex(k) => (self.of_vertices[k], !self.ends[1][k], self.goes_on[1][k]),
         };
-        // An edge between coplanar faces, such as a diagonal, does not count: the distance above it is that from the faces.
+        // An edge between coplanar faces, such as a diagonal, is ignored: the distance above it is that from the faces.
         let is_flat = covered && pseudo.dot(&self.normal) >= 1.0 - COPLANAR;
         if is_plane || is_flat {
             let gap = self.normal.dot(&(x - self.corners[0]));
@@ -177,7 +177,7 @@ struct Edge {
     is_reentrant: bool,
 }
 
-/// Faces and edges of a surface, from which the search trees are built.
+/// Faces and edges of a surface, from which its sides and search trees are built.
 struct Net<'a> {
     points: &'a [[f64; 3]],
     triangles: &'a [[u32; 3]],
@@ -238,7 +238,7 @@ impl<'a> Net<'a> {
         (sides, count)
     }
 
-    /// Search tree of the triangles for which `of` is true: one side, or all.
+    /// Search tree of the triangles for which `of` is true.
     fn tree(&self, of: impl Fn(usize) -> bool) -> RTree<Face> {
         let faces: Vec<usize> = (0..self.triangles.len()).filter(|&face| of(face)).collect();
         let at = |node: u32| Vector3::from(self.points[node as usize]);
@@ -299,7 +299,7 @@ impl Facets {
         let mut kept: Vec<[f64; 3]> = Vec::new();
         let mut known: BTreeMap<[u64; 3], u32> = BTreeMap::new();
         let mut number = |node: u32| {
-            // Adding 0.0 removes the sign of a zero.
+            // Adding 0.0 turns -0.0 into 0.0, so that both have equal bits.
             let point = points[node as usize].map(|x| x + 0.0);
             *known.entry(point.map(f64::to_bits)).or_insert_with(|| {
                 kept.push(point);
@@ -386,7 +386,7 @@ impl Facets {
         from(&self.whole, x)
     }
 
-    /// Signed distance from one side.
+    /// Signed distance from side number `side` of the surface.
     pub(super) fn side_distance(&self, side: usize, x: Vector3<f64>) -> Distance {
         from(&self.sides[side], x)
     }
@@ -396,7 +396,8 @@ impl Facets {
         !self.sides.is_empty()
     }
 
-    /// Nearest side of a point, and adjacent sides across re-entrant edges that are opposite the point within `near`, nearest first.
+    /// Nearest side of a point, and adjacent sides across re-entrant edges that are opposite the point and nearer than `near`, nearest
+    /// first.
     pub(super) fn around(&self, x: Vector3<f64>, near: f64) -> (usize, Vec<usize>) {
         let Some(nearest) = self.whole.nearest_neighbor(x.into()) else { return (0, Vec::new()) };
         let side = self.side_of[nearest.triangle];
@@ -407,8 +408,8 @@ impl Facets {
         (side, close.into_iter().map(|(_, other)| other).collect())
     }
 
-    /// Planes (point, normal) of the faces at the sharp edge or vertex within `near` of a point, by descending signed distance of the
-    /// point; empty away from sharp edges.
+    /// Planes (point, normal) of the faces at the sharp edge or vertex within `near` of a point, in descending order of the point's signed
+    /// distance; empty away from sharp edges.
     pub(super) fn planes_at_edge(&self, x: Vector3<f64>, near: f64) -> Vec<[Vector3<f64>; 2]> {
         let Some(nearest) = self.whole.nearest_neighbor(x.into()) else { return Vec::new() };
         let at = nearest.nearest(x).0;

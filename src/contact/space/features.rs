@@ -4,22 +4,23 @@ use super::profiles::Profiles;
 use crate::contact::faces::{self, Vector};
 use crate::contact::surface::{Edge, Surface};
 
-/// Cosine of the angle between the facets at a sharp edge: 10 degrees.
+/// Cosine of the smallest angle between the facets at a sharp edge: 10 degrees.
 pub const SMOOTH: f64 = 0.984_807_753_012_208;
 
-/// Cosine of the angle between the facets at a convex edge whose ends may be bumps: 2.5 degrees.
+/// Cosine of the smallest angle between the facets at a convex edge whose ends may be bumps: 2.5 degrees.
 const BUMP: f64 = 0.999_048;
 
-/// Smallest height of a curve over its facets, relative to the drop of a facet's middle below the plane of the next one, at which a surface
-/// counts as curved; below it the surface is uneven. For a circle the ratio is 1/6.
+/// Smallest height of the curved surface over its facets, relative to the drop at an edge (depth of the middle of one facet below the plane
+/// of the other), at which a surface counts as curved; below, it is uneven. For a circle the ratio is 1/6.
 const ROUND: f64 = 1.0 / 24.0;
 
-/// Distances beyond a facet or a sharp edge, in facet sizes, up to which a point still faces it: across a border to a smoothly continuing
-/// surface, and across a concave border. Without the second one, a point in the crease between two coarse facets would face neither.
+/// Distances beyond a facet or a sharp edge, in facet sizes, up to which a point still counts as opposite: `LAP_SMOOTH` across a border to
+/// a smoothly continuing surface, `LAP_CONCAVE` across a concave border. Without the latter, a point in the crease between two coarse
+/// facets would be opposite neither of them.
 const LAP_SMOOTH: f64 = 0.05;
 const LAP_CONCAVE: f64 = 0.25;
 
-/// Node on sharp edges, or single bump, that gets constraints of its own.
+/// Node at the end of a sharp edge, or single bump, which gets separate constraints.
 #[derive(Clone, Debug)]
 pub struct Vertex {
     pub node: u32,
@@ -29,13 +30,13 @@ pub struct Vertex {
     pub is_bump: bool,
 }
 
-/// Sharp edge that is not re-entrant, or smooth edge.
+/// Edge with separate constraints: a sharp edge that is not re-entrant, or a smooth edge of an obstacle.
 #[derive(Clone, Debug)]
 pub struct SharpEdge {
     pub nodes: [u32; 2],
     /// Adjacent facets; one at the border of an open surface.
     pub facets: [Option<u32>; 2],
-    /// Admissible distance beyond each end, in lengths of the edge.
+    /// Distance beyond each end, in edge lengths, up to which a point counts as opposite.
     pub laps: [f64; 2],
 }
 
@@ -44,11 +45,12 @@ pub struct SharpEdge {
 pub struct Features {
     pub vertices: Vec<Vertex>,
     pub edges: Vec<SharpEdge>,
-    /// Admissible distance beyond each border of each facet, in its size; the border starts at the node of the same index.
+    /// Distance beyond each border of each facet, in facet sizes, up to which a point counts as opposite. Borders are numbered by the node
+    /// at which they start.
     pub laps: Vec<Vec<f64>>,
 }
 
-/// Continuation of a surface across an edge.
+/// Angle between the facets at an edge of a surface, by its effect.
 #[derive(Clone, Copy, PartialEq)]
 enum Bend {
     /// End of the surface, or convex angle of more than 10 degrees.
@@ -128,9 +130,9 @@ impl Features {
     }
 }
 
-/// Bumps: ends of convex edges that belong to no curve.
+/// Bumps: ends of convex edges on a surface that is not curved.
 fn bumps(surface: &Surface, q: &[f64], profiles: &Profiles) -> Vec<u32> {
-    // Depth of the middle of the facet behind an edge below the plane of the facet in front of it.
+    // Drop at an edge: depth of the middle of one facet below the plane of the other facet.
     let drop = |edge: &Edge| {
         let [one, other] = edge.facets.map(|facet| facet.map(|facet| surface.facet(facet as usize)));
         let [normal, next] = [faces::normal(one?, q), faces::normal(other?, q)];
@@ -149,7 +151,7 @@ fn bumps(surface: &Surface, q: &[f64], profiles: &Profiles) -> Vec<u32> {
     bumps
 }
 
-/// Continuation of a surface across an edge.
+/// Kind of angle between the facets at an edge.
 fn bend(surface: &Surface, facets: [Option<u32>; 2], nodes: [u32; 2], q: &[f64]) -> Bend {
     let [Some(one), Some(other)] = facets.map(|facet| facet.map(|facet| surface.facet(facet as usize))) else { return Bend::Sharp };
     let [n_one, n_other] = [one, other].map(|nodes| faces::normal(nodes, q));
@@ -176,7 +178,7 @@ pub fn outward(edge: &SharpEdge, surface: &Surface, q: &[f64]) -> Vector {
     edge.facets.iter().flatten().map(|&facet| faces::normal(surface.facet(facet as usize), q)).sum()
 }
 
-/// True if a point projects into a facet along its normal; `laps` are the admissible distances beyond its borders.
+/// True if a point projects into a facet along its normal; `laps` are the distances beyond its borders that count as inside.
 pub fn is_inside(x: Vector, nodes: &[u32], normal: Vector, laps: &[f64], q: &[f64]) -> bool {
     let size = faces::area_vector(nodes, q).norm().sqrt();
     (0..nodes.len()).all(|k| {

@@ -1,13 +1,14 @@
-//! Possible constraints of sharp features at a configuration, and their *dominance*: shallower ones replace others (`corners.rs`).
+//! Possible constraints of sharp features at a configuration, and their *dominance*: a shallower constraint replaces a deeper one
+//! (`corners.rs`).
 
 use super::features;
 use super::gaps::Measure;
 use crate::contact::faces::Vector;
 
-/// Cosine of the angle between the normals of two facets, 10 degrees, above which a vertex has a constraint against the nearer one only.
+/// Cosine of the angle between the normals of two facets, 10 degrees, above which a vertex has a constraint against the nearer facet only.
 pub const ALIKE: f64 = features::SMOOTH;
 
-/// Distance in smallest facets by which a receding body may reach beyond the plane of a constraint.
+/// Distance, in smallest facets, by which a body may reach beyond the plane of a constraint and still count as receding behind it.
 const RECEDES: f64 = 0.02;
 
 /// Possible constraint at a configuration.
@@ -25,12 +26,12 @@ pub struct Found {
 }
 
 impl Found {
-    /// True if this constraint overlaps and a strict, shallower one nearby separates the bodies in another direction.
+    /// True if this constraint overlaps and a shallower strict constraint nearby separates the bodies in another direction.
     pub fn is_dominated(&self, found: &[Found], facet_size: f64) -> bool {
         self.gap < 0.0 && found.iter().any(|other| other.is_strict && self.is_beside(other, facet_size))
     }
 
-    /// True if `other` is shallower, near, has another normal, and both bodies recede behind its plane.
+    /// True if `other` is shallower and near, has another normal, and both bodies recede behind its plane.
     pub fn is_beside(&self, other: &Found, facet_size: f64) -> bool {
         let reach = RECEDES * facet_size;
         let middle = |row: &Found| 0.5 * (row.at[0] + row.at[1]);

@@ -23,7 +23,7 @@ pub const UNKNOWNS: usize = 3 * NODES;
 /// Gap function of a constraint in a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Measure {
-    /// Vertex against a flat facet with this number of nodes.
+    /// Vertex against a flat facet with the given number of nodes.
     Facet(usize),
     /// Vertex against a triangle with a height profile, whose shape functions distribute the force. `None`: a facet of three nodes;
     /// `Some(k)`: the triangle of nodes `k`, `k + 1` and the mean point of a facet of four nodes.
@@ -32,7 +32,7 @@ pub enum Measure {
     Edges(f64),
 }
 
-/// Two vectors with length and direction of their cross product.
+/// Two vectors, with the length and direction of their cross product.
 struct Spread<T> {
     first: Vec3<T>,
     second: Vec3<T>,
@@ -95,7 +95,7 @@ impl Measure {
                 let lever: Vec3<T> = std::array::from_fn(|i| (arm[i] - n[i] * gap) * inverse);
                 gradient[0] = n;
                 (1..=count).for_each(|k| gradient[k] = n.map(|n| n * -share));
-                // d N.lever = d first.(second x lever) + d second.(lever x first)
+                // Derivative of the normal direction: d N.lever = d first.(second x lever) + d second.(lever x first).
                 let (of_first, of_second) = (cross(spread.second, lever), cross(lever, spread.first));
                 let ends = if count == 3 { [(2, 1), (3, 1)] } else { [(3, 1), (4, 2)] };
                 for ((to, from), force) in ends.into_iter().zip([of_first, of_second]) {
@@ -160,7 +160,7 @@ impl Measure {
         weights
     }
 
-    /// Two unit tangents perpendicular to the gap direction, fixed to the facet or to the first edge.
+    /// Two unit tangents perpendicular to the gap direction, which move with the facet or with the first edge.
     pub fn tangents<T: Number>(self, z: &[Vec3<T>]) -> Option<[Vec3<T>; 2]> {
         match self {
             Measure::Facet(_) | Measure::Over(..) => Frame::new(&z[1..]).map(|Frame { axes: [first, second, _], .. }| [first, second]),
@@ -172,7 +172,7 @@ impl Measure {
         }
     }
 
-    /// Gap function of a vertex for the triangle of the facet below it.
+    /// Gap function of a vertex against the triangle of the facet below it.
     pub fn above(z: &[Vec3<f64>], profile: &Profile) -> Measure {
         let first = (z.len() > 4).then(|| foot(z[0], &z[1..]).0);
         Measure::Over(first, *profile.form(first.unwrap_or(0)))
@@ -193,7 +193,8 @@ impl Gradient<NODES> for Measure {
     }
 }
 
-/// Vertex and triangle: the facet of three nodes (`None`), or the triangle of a facet of four nodes that starts at node `first`.
+/// Vertex and corners of a triangle: of a facet of three nodes (`None`), or of the triangle of a facet of four nodes that starts at node
+/// `first`.
 #[inline(always)]
 fn triangle<T: Number>(z: &[Vec3<T>], first: Option<usize>) -> [Vec3<T>; 4] {
     let y = &z[1..];
@@ -249,7 +250,7 @@ fn foot<T: Number>(v: Vec3<T>, y: &[Vec3<T>]) -> (usize, [T; 4]) {
         let (a, b, r) = (sub(y[k], middle), sub(y[next], middle), sub(v, middle));
         let inverse = dot(cross(a, b), normal).recip();
         let (of_a, of_b) = (dot(cross(r, b), normal) * inverse, dot(cross(a, r), normal) * inverse);
-        // Triangle that contains the point, or that the point is least outside of.
+        // The triangle that contains the point, or else the one that it misses by the smallest area coordinate.
         let within = of_a.re().min(of_b.re());
         if within > least {
             (least, triangle) = (within, k);

@@ -1,21 +1,21 @@
 //! Heights of a curved surface inside of a facet of four nodes, from its nodes and the sagittas of its sides (for `profiles.rs`).
 //!
 //! The bilinear map of a facet is `x = x_m + xi u + eta v + xi eta d`, where `d` has the component `w` along the facet's normal, the warp.
-//! Nodes of a sphere that do not lie on a circle are warped as much as their sides are curved. The surface is the height
-//! `f = w xi eta + serendipity interpolation of the sagittas + b (1 - xi^2)(1 - eta^2)` over the mean plane. The carrier of the facet
-//! consists of four flat triangles about `x_m`; the profile is the height over these triangles, so that it contains the difference between
-//! the bilinear and the four flat triangles.
+//! Nodes of a sphere that do not lie on a circle are warped as much as their sides are curved. The surface is the height `f = w xi eta +
+//! serendipity interpolation of the sagittas + b (1 - xi^2)(1 - eta^2)` over the mean plane. The facet itself consists of four flat
+//! triangles about `x_m`; the profile is the height over these triangles, so that it contains the difference between the bilinear surface
+//! and the four flat triangles.
 //!
 //! With the half lengths and sagittas of parallelograms, `f = -(A xi^2 + B eta^2 + 2 C xi eta) = -Q` up to the second degree, `2 C = -w`.
-//! The fourth degree of surfaces of constant curvature (spheres, cylinders) is `-Q |grad Q|^2/4`; `b` has its coefficient of
-//! `xi^2 eta^2`, which sides do not show.
+//! The terms of fourth degree of surfaces of constant curvature (spheres, cylinders) are `-Q |grad Q|^2/4`; `b` is their coefficient of
+//! `xi^2 eta^2`, which does not follow from the sides.
 
 use nalgebra::{Matrix2, Vector2};
 
 use crate::contact::faces::Vector;
 
-/// Height over the mean point, and sagittas from the corners to the mean point, of a facet of four nodes over its four triangles
-/// `[length]`.
+/// Heights of a facet of four nodes over its four triangles `[length]`: `middle` over the mean point; `spokes`: sagittas along the lines
+/// from the corners to the mean point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interior {
     pub middle: f64,
@@ -30,13 +30,13 @@ impl Interior {
     /// side starts, over a plane parallelogram.
     pub fn of_sides(corners: &[f64; 4], sagittas: &[f64; 4]) -> Self {
         let sum = sagittas.iter().sum::<f64>();
-        // At a quarter of the diagonal from a corner the height is 3/4 (3/4 (s + s) + 1/4 (s + s)), with the sagittas of the two adjacent
-        // sides and of the two other ones.
+        // Height at a quarter of the diagonal from a corner: 3/4 (3/4 (s + s) + 1/4 (s + s)), first with the sagittas of the two adjacent
+        // sides, then with those of the two other sides.
         let spoke = |k: usize| 0.375 * (sagittas[k] + sagittas[(k + 3) % 4]) - 0.0625 * sum;
         Interior { middle: corners.iter().sum::<f64>() / 4.0 + 0.5 * sum, spokes: [0, 1, 2, 3].map(spoke) }
     }
 
-    /// Heights over a facet with these nodes and this unit normal.
+    /// Heights over a facet with the given nodes and unit normal.
     pub fn of_facet(nodes: &[Vector; 4], normal: Vector, corners: &[f64; 4], sagittas: &[f64; 4]) -> Self {
         let mut interior = Self::of_sides(corners, sagittas);
         let along = |signs: [f64; 4]| (0..4).map(|k| nodes[k] * (0.25 * signs[k])).sum::<Vector>();

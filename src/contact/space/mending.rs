@@ -102,8 +102,8 @@ fn join(points: &[[f64; 3]], triangles: &[Triangle], mending: &mut Mending) -> (
     (kept, triangles)
 }
 
-/// Removes triangles with collinear points. If two points are equal, nothing else changes; else the middle point divides the triangle on
-/// the other side of the longest edge.
+/// Removes triangles with collinear points. If two points are equal, nothing else changes; otherwise the middle point divides the triangle
+/// on the other side of the longest edge, so that the surface stays closed.
 fn without_slivers(points: &[[f64; 3]], triangles: Vec<Triangle>, mending: &mut Mending) -> Vec<Triangle> {
     let at = |node: u32| Vector3::from(points[node as usize]);
     let length = |[a, b]: [u32; 2]| (at(b) - at(a)).norm();
@@ -140,7 +140,7 @@ fn without_slivers(points: &[[f64; 3]], triangles: Vec<Triangle>, mending: &mut 
     kept.into_iter().flatten().collect()
 }
 
-/// Keeps one of several triangles with the same points, or none if both orientations are equally frequent.
+/// Keeps one of several triangles with the same points; none if both orientations are equally frequent.
 fn without_doubles(triangles: Vec<Triangle>, mending: &mut Mending) -> Vec<Triangle> {
     let key = |triangle: &Triangle| {
         let mut key = *triangle;
@@ -194,7 +194,7 @@ fn turned(points: &[[f64; 3]], mut triangles: Vec<Triangle>, mending: &mut Mendi
                         piece.push(other);
                     }
                     known if known == wanted => {}
-                    // one-sided surface
+                    // Contradictory orientations: a one-sided surface.
                     _ => return Err(failed(edge)),
                 }
             }

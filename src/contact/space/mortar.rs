@@ -40,10 +40,10 @@ pub struct MortarInSpace {
     /// Positions of all nodes at the start of the step, and each pair there.
     q_0: Vec<f64>,
     start: Vec<Start>,
-    /// Height profiles of the facets of both sides, and heights of the curves above nodes.
+    /// Height profiles of the facets of both sides; `heights`: heights of the curves above the nodes.
     profiles: [Vec<Profile>; 2],
     heights: [Vec<f64>; 2],
-    /// Orientation of the tangents on each facet, per node: cosine and sine.
+    /// Direction of the tangents at each node of each facet: cosine and sine of the angle to the facet's first axis.
     turns: Vec<Vec<[f64; 2]>>,
     /// Threads that evaluate the pairs.
     workers: Workers,
@@ -68,31 +68,33 @@ struct Scratch {
     gradient_end: Vec<f64>,
     gradient_bar: Vec<f64>,
     tangent: Vec<f64>,
-    /// Positions of the nodes of a pair.
+    /// Positions of the nodes of a pair at the start, at the end and in the middle of the step.
     start: Vec<f64>,
     end: Vec<f64>,
     middle: Vec<f64>,
-    /// Gradient of one function; Hessian, and gradients at mid-step and at the end, weighted by the multipliers.
+    /// `row`: gradient of one function; `hessian`: weighted Hessian; `weighted`: gradients at mid-step and at the end, weighted by the
+    /// multipliers.
     row: Vec<f64>,
     hessian: Vec<f64>,
     weighted: [Vec<f64>; 2],
     projection: Projection<3>,
 }
 
-/// A live pair of facets, with its contributions to sums over all pairs of a constraint.
+/// Live pair of facets (with nonzero functions), and its contributions to sums over all pairs of a constraint.
 #[derive(Default)]
 struct Live {
     pair: usize,
     has_tangent: bool,
-    /// Values and areas at the end of the step; `None` without overlap there.
+    /// Weighted gaps and covered areas at the end of the step; `None` without overlap there.
     end: Option<[[f64; CORNERS]; 2]>,
-    /// For corrections shared by the pairs of a constraint: remainders, projected increment of the pair's nodes, squared size of the pair.
+    /// Data for a correction that is shared by all pairs of a constraint: remainders of the discrete gradient, projected increment of the
+    /// pair's nodes, squared size of the increment.
     remainders: [f64; CORNERS],
     increment: Vec<f64>,
     size: f64,
 }
 
-/// Configurations and multipliers of an evaluation.
+/// Requested evaluation of a step.
 #[derive(Clone, Copy)]
 struct Asked<'a> {
     derivative: Derivative,
@@ -101,11 +103,11 @@ struct Asked<'a> {
     wants_tangent: bool,
 }
 
-/// Use of the tangent blocks of an evaluation.
+/// Destination of the tangent blocks of an evaluation.
 enum Tangents<'a, 'b> {
-    /// Tangent blocks stay in the evaluation.
+    /// Tangent blocks are stored in the evaluation.
     Stay,
-    /// Tangent blocks go to the receiver, one contact element after the other.
+    /// Tangent blocks go to the receiver, one contact element after another.
     To(&'a mut TangentSink<'b>),
     /// No tangent is computed.
     LeftOut,
@@ -163,7 +165,7 @@ impl MortarInSpace {
         Some(Pair::new(z.as_chunks().0, self.counts(p)).filter(Pair::overlaps)?.curved(self.profiles(p)))
     }
 
-    /// Width of the band, in triangle heights, within which edge forces pass from one facet to the other.
+    /// Width of the band, relative to triangle heights, within which edge forces pass gradually from one facet to the other.
     fn band(&self) -> f64 {
         if self.correction == Correction::SteadyEnds { 0.0 } else { EDGES_MEET }
     }
@@ -191,7 +193,7 @@ impl MortarInSpace {
         }
     }
 
-    /// Values, gradients and tangent of a step, pair by pair in ascending order whatever the number of threads.
+    /// Values, gradients and tangent of a step, pair by pair in ascending order, so that results do not depend on the number of threads.
     fn evaluate_pairs(&self, asked: Asked, out: &mut Evaluation, mut tangents: Tangents) {
         let patches = &self.sides.patches;
         assert_eq!(self.start.len(), patches.len(), "begin_step follows a change of the candidates");
@@ -224,12 +226,12 @@ impl MortarInSpace {
     }
 }
 
-/// Gradients of all secondary nodes, each with `unknowns` entries, concatenated.
+/// Writes the gradients for all secondary nodes, each with `unknowns` entries, one after another.
 fn lists_into(gradients: Option<&Gradients>, unknowns: usize, out: &mut [f64]) {
     out.chunks_exact_mut(unknowns).enumerate().for_each(|(k, block)| list_into(gradients, k, block));
 }
 
-/// Gradient of secondary node `k`; zeros without a pair.
+/// Writes the gradient for secondary node `k`; zeros without a pair.
 fn list_into(gradients: Option<&Gradients>, k: usize, out: &mut [f64]) {
     match gradients {
         Some(gradients) => out.iter_mut().zip(gradients.as_flattened()).for_each(|(out, each)| *out = each.0[k]),
@@ -308,14 +310,14 @@ impl PatchFunctions for MortarInSpace {
 }
 
 impl Scratch {
-    /// Evaluates these pairs.
+    /// Evaluates a range of pairs.
     fn evaluate_all(&mut self, kernel: &MortarInSpace, pairs: std::ops::Range<usize>, asked: Asked) {
         self.live.clear();
         [&mut self.gradient_end, &mut self.gradient_bar, &mut self.tangent].into_iter().for_each(Vec::clear);
         pairs.filter(|&p| kernel.search.near[p]).for_each(|p| self.evaluate(kernel, p, asked));
     }
 
-    /// Moves the live pairs to an evaluation; those that share a correction are appended to `shared`.
+    /// Moves the results of the live pairs to an evaluation; pairs that share a correction are appended to `shared`.
     fn hand_over(&mut self, patches: &Patches, out: &mut Evaluation, tangents: &mut Tangents, shared: &mut Vec<Live>) {
         let (mut ends, mut bars, mut tangent) = (&self.gradient_end[..], &self.gradient_bar[..], &self.tangent[..]);
         for live in self.live.drain(..) {
@@ -346,7 +348,7 @@ impl Scratch {
         }
     }
 
-    /// Evaluates pair `p`, unless its functions vanish throughout.
+    /// Evaluates pair `p`, unless its functions are zero at start, middle and end of the step.
     fn evaluate(&mut self, kernel: &MortarInSpace, p: usize, asked: Asked) {
         let Asked { derivative, q_1, lambda, wants_tangent } = asked;
         let (start, shape) = (&kernel.start[p], kernel.shape(p));
@@ -390,7 +392,7 @@ impl Scratch {
         self.live.push(found);
     }
 
-    /// Writes the discrete gradient of a pair and its derivative into the blocks that start at the given places.
+    /// Writes the discrete gradient of a pair and its derivative into the blocks that start at the given indices.
     fn by_discrete_gradient(&mut self, functions: &Functions, found: &mut Live, [first_end, first_bar, first_of_tangent]: [usize; 3]) {
         let &Functions { kernel, start, shape, weights, ref middle, .. } = functions;
         let Scratch { gradient_end, gradient_bar, tangent, start: start_z, end: end_z, row, hessian, weighted, projection, .. } = self;
@@ -442,7 +444,7 @@ struct Functions<'a> {
     kernel: &'a MortarInSpace,
     start: &'a Start,
     shape: &'a Shape,
-    /// Multipliers.
+    /// Multipliers of the secondary nodes.
     weights: [f64; CORNERS],
     middle: Option<Pair<f64>>,
     end: Option<Pair<f64>>,

@@ -18,8 +18,8 @@ use crate::contact::kernel::ContactKernel;
 use crate::contact::surface::{Sides, Surface};
 use crate::contact::window::PredictedMotion;
 
-/// Admissible distance beyond the border of a facet without smooth continuation, in facet sizes. Nodes exactly above the border, as in
-/// matching meshes, are constrained.
+/// Distance beyond the border of a facet without smooth continuation, in facet sizes, up to which a node counts as opposite. Nodes exactly
+/// above the border, as in matching meshes, must be constrained.
 const RIM: f64 = 0.01;
 
 impl CornersInSpace {
@@ -39,14 +39,14 @@ impl CornersInSpace {
         Box::new(made)
     }
 
-    /// True for each node with a constraint from the start of the step; empty for sharp features.
+    /// True for each node that already has a constraint from the start of the step; empty if only sharp features have constraints.
     pub(super) fn settled(&self, chosen: &[Option<Found>]) -> Vec<bool> {
         let mut settled = vec![false; if self.of_nodes.is_some() { self.owners.count() } else { 0 }];
         chosen.iter().flatten().filter(|_| self.of_nodes.is_some()).for_each(|row| settled[self.owner(row.patch)] = true);
         settled
     }
 
-    /// Gap function of a node for the triangle below it, which takes the whole force, and the gap; `None` for sharp features.
+    /// Gap function of a node against the triangle below it, and the gap; `None` if only sharp features have constraints.
     pub(super) fn measure(&self, facet: usize, nodes: &[u32], q: &[f64]) -> Option<(Measure, f64)> {
         let rows = self.of_nodes.as_ref()?;
         let z: Vec<Vec3<f64>> = nodes.iter().map(|&node| faces::at(node, q).into()).collect();
@@ -54,7 +54,7 @@ impl CornersInSpace {
         Some((measure, measure.gap(&z)))
     }
 
-    /// True if the surface at a vertex and a facet with this normal face each other; always true for sharp features.
+    /// True if the surface at a vertex faces a facet with the given normal; always true for sharp features.
     pub(super) fn faces(&self, vertex: usize, normal: Vector, q: &[f64]) -> bool {
         let surface = &self.sides.secondary;
         let looks = || surface.adjacent_facets(vertex).iter().map(|&facet| faces::normal(surface.facet(facet as usize), q)).sum::<Vector>();

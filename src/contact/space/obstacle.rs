@@ -23,8 +23,8 @@ use super::slip::Carrier;
 use crate::contact::surface::Surface;
 use crate::math::tolerances::{PASSING, PROJECTED_INCREMENT, REMAINDER};
 
-/// Ratio of the radius of round obstacles to the longest facet above which nodal constraints suffice: between two nodes on such an obstacle
-/// even a facet stretched by half penetrates by less than a tenth of its length.
+/// Ratio of the radius of a round obstacle to the longest facet above which nodal constraints suffice: between two nodes on such an
+/// obstacle even a facet stretched by half penetrates by less than a tenth of its length.
 const LARGE: f64 = 3.0;
 
 /// Largest number of samples on a node's path at which its distance is evaluated.
@@ -104,7 +104,8 @@ pub enum ObstacleInSpace {
 }
 
 impl ObstacleInSpace {
-    /// Largest coordinate in the differences that give distances, for round-off; 0 for a plane, whose distance is one product `[length]`.
+    /// Largest coordinate in the differences that define distances, for their round-off `[length]`; 0 for a plane, whose distance has no
+    /// such difference.
     pub fn reach(&self) -> f64 {
         let size = |x: &[f64; 3]| Vector3::from(*x).norm();
         match self {
@@ -118,7 +119,7 @@ impl ObstacleInSpace {
         }
     }
 
-    /// True for a round obstacle with bodies outside that is small enough to enter facets between their nodes.
+    /// True for a round obstacle with bodies outside that is small enough to penetrate facets between their nodes.
     pub fn is_small(&self, surface: &Surface, reference: &[f64], facet_size: f64) -> bool {
         let radius = match *self {
             ObstacleInSpace::Sphere { radius, is_hollow: false, .. } | ObstacleInSpace::Cylinder { radius, is_hollow: false, .. } => radius,
@@ -139,7 +140,7 @@ pub(super) struct StepGradient {
     pub tangent: Matrix3<f64>,
 }
 
-/// Obstacle prepared for evaluation. `sign` is +1 for bodies outside, -1 inside.
+/// Obstacle prepared for evaluation. `sign` is +1 if the deformable body is outside of the sphere, -1 if it is inside.
 #[derive(Clone, Debug)]
 pub(in crate::contact) enum Shape {
     Plane {
@@ -158,11 +159,11 @@ pub(in crate::contact) enum Shape {
         profile: Profile,
     },
     Facets(Arc<Facets>),
-    /// One side of a triangulated surface.
+    /// One side of a triangulated surface, by its index.
     Side(Arc<Facets>, usize),
 }
 
-/// Rigid motions that map an obstacle to itself: rotations about axes through a center, translations.
+/// Rigid motions that map an obstacle to itself: rotations about axes through a center, and translations.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Symmetries {
     pub center: Vector3<f64>,
@@ -177,7 +178,7 @@ pub(in crate::contact) enum Profile {
         radius: f64,
         sign: f64,
     },
-    /// Radius and half length of the cylinder without its rounded edges, and radius of the edges.
+    /// Cylinder with ends: radius and half length without the rounded edges, and radius of the edges.
     FiniteCylinder {
         inner: [f64; 2],
         edge: f64,
@@ -209,7 +210,7 @@ fn corrected<const N: usize>(start: f64, middle: &Local<N>, end: &Local<N>, d: [
     let square = dot(&d);
     let (mut bar, mut tangent) = (middle.slope, middle.curvature.map(|row| row.map(|h| 0.5 * h)));
     let remainder = end.value - start - dot(&middle.slope);
-    // In a small step only a corner gives a remainder above round-off.
+    // In small steps the remainder is round-off, unless there is a corner.
     let is_doubtful = square <= (PROJECTED_INCREMENT * size).powi(2);
     if square > 0.0 && !(is_doubtful && remainder.abs() <= REMAINDER * size) {
         let e = remainder / square;
@@ -292,19 +293,19 @@ impl Shape {
         }
     }
 
-    /// Largest number of local minima of the distance along an edge: 2 for an edge across the hole of a torus.
+    /// Largest number of local minima of the distance along an edge of the surface: 2 for an edge across the hole of a torus.
     pub fn rows_per_edge(&self) -> usize {
         if matches!(self, Shape::Revolved { profile: Profile::Torus { .. }, .. }) { 2 } else { 1 }
     }
 
-    /// True if an edge comes nearer to the axis of a torus, between its ends, than the center circle of the tube.
+    /// True if the edge comes nearer to the axis of a torus, between its ends, than the center circle of the tube.
     pub fn is_across_hole(&self, ends: [Vector3<f64>; 2]) -> bool {
         let Shape::Revolved { origin, axis, profile: Profile::Torus { radius, .. } } = self else { return false };
         let share = self.nearest_to_axis(ends);
         0.0 < share && share < 1.0 && axis.cross(&(ends[0].lerp(&ends[1], share) - origin)).norm() < *radius
     }
 
-    /// Edge coordinate nearest to the axis of revolution; 0 for other shapes and parallel edges.
+    /// Edge coordinate of the point nearest to the axis of revolution; 0 for other shapes and for edges parallel to the axis.
     pub fn nearest_to_axis(&self, [a, b]: [Vector3<f64>; 2]) -> f64 {
         let Shape::Revolved { origin, axis, .. } = self else { return 0.0 };
         let [from, along] = [axis.cross(&(a - origin)), axis.cross(&(b - a))];
@@ -312,7 +313,7 @@ impl Shape {
         if square > 0.0 { (-from.dot(&along) / square).clamp(0.0, 1.0) } else { 0.0 }
     }
 
-    /// True for shapes with sharp edges, inside of which two distances meet.
+    /// True for shapes with sharp edges, at which the distance has a kink inside of the obstacle.
     pub fn has_edges(&self) -> bool {
         matches!(self, Shape::Revolved { profile: Profile::FiniteCylinder { .. }, .. })
     }
@@ -324,8 +325,8 @@ impl Shape {
         rho > inner[0] && z.abs() > inner[1]
     }
 
-    /// Motion of points that stick to the obstacle, for a displacement `shift` and a rotation angle about its axis (of a plane its normal);
-    /// `end` is the translation at the end of the step.
+    /// Motion of the obstacle's surface, for a displacement `shift` and a rotation angle about its axis (of a plane: its normal). `end` is
+    /// the translation at the end of the step.
     pub fn carrier(&self, (shift, angle): ([f64; 3], f64), end: [f64; 3]) -> Carrier {
         let (origin, axis) = match self {
             Shape::Revolved { origin, axis, .. } => (origin, axis),
@@ -422,7 +423,7 @@ impl Shape {
 
     /// Range of the signed distance on the straight path between two points, with distances above `near` replaced by `near`.
     pub fn direction_change(&self, x_0: Vector3<f64>, x_1: Vector3<f64>, near: f64) -> f64 {
-        // A distance changes by at most the path length.
+        // The distance changes by at most the path length, so that short paths need no samples.
         if self.is_one_sided() || (x_1 - x_0).norm() <= near * PASSING {
             return 0.0;
         }
@@ -452,7 +453,7 @@ impl Shape {
         (0..=count as usize).map(move |k| self.distance(x_0.lerp(&x_1, k as f64 / count)).gap)
     }
 
-    /// True for obstacles without another side that a node could reach.
+    /// True for obstacles without a far side to which a node could cross.
     fn is_one_sided(&self) -> bool {
         match self {
             Shape::Plane { .. } => true,

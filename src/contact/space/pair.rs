@@ -38,11 +38,11 @@ pub const NODES: usize = 2 * CORNERS;
 /// Largest number of points of a pair: its nodes, then the mean points of both facets.
 const POINTS: usize = NODES + 2;
 
-/// Projection of a pair's nodes along the secondary normal.
+/// Projection of a facet pair along the secondary normal.
 struct View<T> {
     /// Numbers of nodes of the secondary and of the primary facet.
     counts: [usize; 2],
-    /// Plane axes and normal; diagonals of the secondary facet and length of their cross product.
+    /// Plane axes, normal, and diagonals of the secondary facet.
     frame: Frame<T>,
     /// Positions relative to the mean point of the secondary facet.
     arms: [Vec3<T>; NODES],
@@ -59,7 +59,7 @@ pub struct Pair<T> {
     polygons: Vec<Polygon<T>>,
 }
 
-/// Corners of the triangles of a facet as point indices; its nodes start at `first`, its mean point is `middle`.
+/// Point indices of the corners of a facet's triangles. The facet's nodes start at index `first`; its mean point has the index `middle`.
 #[inline(always)]
 fn triangles(count: usize, first: usize, middle: usize) -> impl Iterator<Item = [usize; 3]> {
     (0..if count == 3 { 1 } else { count })
@@ -67,7 +67,7 @@ fn triangles(count: usize, first: usize, middle: usize) -> impl Iterator<Item = 
 }
 
 impl<T: Number> View<T> {
-    /// Projection of nodes at these positions, secondary ones first; `None` if the secondary facet has no area.
+    /// Projection for the node positions `x`, secondary ones first; `None` if the secondary facet has no area.
     #[inline(always)]
     fn new(x: &[Vec3<T>], counts: [usize; 2]) -> Option<Self> {
         let [own, other] = counts;
@@ -99,7 +99,7 @@ impl<T: Number> View<T> {
         Some(view)
     }
 
-    /// Nodes that define a point, and the coefficient of each.
+    /// Range of the nodes whose mean is a point, and the coefficient of each node.
     #[inline(always)]
     fn shares(&self, point: usize) -> (std::ops::Range<usize>, f64) {
         let [own, other] = self.counts;
@@ -110,11 +110,12 @@ impl<T: Number> View<T> {
         }
     }
 
-    /// Height profiles of the triangles with these corners; `None` if both facets are flat.
+    /// Height profiles of a secondary and a primary triangle, given by their corners; `None` if both facets are flat.
     #[inline(always)]
     fn forms(&self, [[first, ..], [_, second, _]]: &PerTriangle<usize>) -> Option<[Form; 2]> {
         let [own, other] = self.profiles.as_ref()?;
-        // Triangles of a facet start at its corners in order; corners of primary ones are listed in reverse from the second.
+        // A triangle has the index of the facet's corner at which it starts; primary triangles are listed with this corner as the second
+        // one.
         Some([*own.form(*first), turned(other.form(second - self.counts[0]))])
     }
 
@@ -151,7 +152,7 @@ impl<T: Number> View<T> {
         })
     }
 
-    /// Derivatives with respect to node positions from those with respect to plane coordinates and heights.
+    /// Transforms derivatives with respect to plane coordinates and heights to the node positions.
     #[inline(always)]
     fn spread<R: Number + Mul<T, Output = R>>(&self, of_p: &[[R; 2]; POINTS], of_h: &[R; POINTS]) -> [Vec3<R>; NODES] {
         let Frame { axes: [first, second, normal], diagonals: [c, d], length } = self.frame;
@@ -189,7 +190,7 @@ impl<T: Number> Pair<T> {
         let mut polygon = Polygon::empty();
         for secondary in triangles(own, 0, NODES) {
             for [a, b, c] in triangles(other, own, NODES + 1) {
-                // Projected primary triangles have the opposite orientation.
+                // Projected primary triangles have the opposite orientation, so that two corners are exchanged.
                 let corners = [secondary, [b, a, c]];
                 if !view.are_apart(&corners) && polygon.set(corners, &view.places(&corners)) {
                     polygons.push(polygon.clone());
@@ -280,7 +281,7 @@ impl Pair<f64> {
         values
     }
 
-    /// Largest absolute distance of the facets along the normal.
+    /// Largest absolute gap over the overlap.
     pub fn farthest(&self) -> f64 {
         let gaps = |polygon: &Polygon<f64>| polygon.gaps(&self.heights(&polygon.corners));
         self.polygons.iter().flat_map(gaps).fold(0.0, |largest, gap| largest.max(gap.abs()))
@@ -318,7 +319,7 @@ impl Pair<f64> {
         self.view.spread(&of_p, &of_h)
     }
 
-    /// Gradients of all weighted gaps with this band, see [`Pair::gradient`].
+    /// Gradients of all weighted gaps with a band of the width `band`, see [`Pair::gradient`].
     pub fn gradients(&self, band: f64) -> Gradients {
         dispatch(OfEach { pair: self, band })
     }
@@ -329,7 +330,7 @@ impl Pair<f64> {
     }
 }
 
-/// Gradients of a pair, compiled for the instruction set of the processor.
+/// Computation of the gradients of a pair, compiled for the instruction set of the processor.
 struct OfEach<'a> {
     pair: &'a Pair<f64>,
     band: f64,
@@ -345,7 +346,7 @@ impl Kernel for OfEach<'_> {
     }
 }
 
-/// Hessian of a pair, compiled for the instruction set of the processor.
+/// Computation of the Hessian of a pair, compiled for the instruction set of the processor.
 struct Hessian<'a> {
     pair: &'a Pair<f64>,
     weights: &'a [f64; CORNERS],
@@ -357,7 +358,7 @@ struct Hessian<'a> {
 /// Number of plane coordinates and heights of all points.
 const SEEN: usize = 3 * POINTS;
 
-/// Derivatives of forces with respect to plane coordinates and heights, and the forces.
+/// Forces on plane coordinates and heights, and their derivatives with respect to these.
 struct Stiffness {
     rows: [[f64; SEEN]; SEEN],
     forces: [f64; SEEN],
@@ -408,7 +409,7 @@ impl Stiffness {
         }
     }
 
-    /// Distributes the rows and columns of mean points to the nodes.
+    /// Distributes the rows and columns of the mean points to the nodes.
     #[inline(always)]
     fn fold(&mut self, view: &View<f64>) {
         for point in [NODES, NODES + 1] {
@@ -486,7 +487,7 @@ mod tests {
         })
     }
 
-    /// Height profiles of both facets: flat, round, hollow against round.
+    /// Height profiles of both facets, by kind: flat, convex, or hollow against convex.
     fn profiles(kind: usize, counts: [usize; 2]) -> [Profile; 2] {
         let made = |side: usize, by: f64| {
             let (corners, sagittas) = ([0.02, -0.01, 0.03, 0.0], [0.1, 0.02, 0.06, 0.04]);
@@ -580,7 +581,7 @@ mod tests {
             }
         }
 
-        /// Zero resultant and moment; invariance under rigid motion and renumbering of a facet.
+        /// Zero resultant and moment of the gradients; values are invariant under rigid motion and renumbering of a facet.
         #[test]
         fn values_do_not_change_with_rigid_motions(
             x in nodes([4, 4]),
@@ -612,7 +613,8 @@ mod tests {
             }
         }
 
-        /// The gradient with a band is continuous where edges coincide, as steep as the band is narrow, and exact elsewhere.
+        /// With a band the gradient is continuous where edges coincide, its slope grows as the band becomes narrower, and it is exact
+        /// elsewhere.
         #[test]
         fn the_gradient_that_acts_has_no_kink(
             noise in prop::collection::vec(-1.0..1.0f64, 24),
@@ -661,7 +663,7 @@ mod tests {
         }
     }
 
-    /// Closed form: a circle of radius 1 in one of radius 1.001 with other facets, at any angle: the mean gap is 0.001.
+    /// Closed form: a circle of radius 1 in one of radius 1.001 with different facets: the mean gap is 0.001 at any angle.
     #[test]
     fn concentric_cylinders_have_the_gap_of_their_radii() {
         let facet = |radius: f64, from: f64, to: f64| {
@@ -705,7 +707,7 @@ mod tests {
         }
         let away: Vec<Vec3<f64>> = x.iter().enumerate().map(|(k, x)| if k < 4 { *x } else { [x[0] + 2.0, x[1], x[2]] }).collect();
         assert!(!Pair::new(&away, [4, 4]).expect("it has an area").overlaps());
-        // No overlap between facets with equal normals.
+        // Facets with equal normals have no overlap.
         let same: Vec<Vec3<f64>> = [0, 1, 2, 3, 7, 6, 5, 4].iter().map(|&k| x[k]).collect();
         assert!(!Pair::new(&same, [4, 4]).expect("it has an area").overlaps());
     }

@@ -60,11 +60,12 @@ fn clip<T: Number>(old: &[Corner<T>], side: &[T; VERTICES], new: &mut [Corner<T>
             left += 1;
         }
         if is_in != is_next_in && left < VERTICES {
-            // No division: numbers with derivatives round it differently, and plain numbers must make the same decisions.
+            // A reciprocal in place of a division: numbers with derivatives are divided in this way, and plain numbers must make bitwise
+            // equal decisions.
             let share = side[k] * (side[k] - side[next]).recip();
             let (from, to) = (&old[k].p, &old[next].p);
             new[left].p = [from[0] + share * (to[0] - from[0]), from[1] + share * (to[1] - from[1])];
-            // Where the polygon leaves the half plane, its next side lies on the line.
+            // At the point where the polygon leaves the half plane, its next edge lies on the clipping line.
             new[left].border = if is_in { PolygonBorder::Secondary } else { old[k].border };
             left += 1;
         }
@@ -86,13 +87,14 @@ fn along_edge<T: Copy, R: Number + Mul<T, Output = R>>(weight: [R; 2], gap: [T; 
     [(aa * 3.0 + ab + bb) * (1.0 / 12.0), (aa + ab + bb * 3.0) * (1.0 / 12.0)]
 }
 
-/// Triangle to which the force of a polygon edge belongs (0: secondary, 1: primary), and the share of the other triangle.
+/// Triangle to which the force of a polygon edge belongs (0: secondary, 1: primary); `share`: part of the force that belongs to the other
+/// triangle.
 pub struct EdgeOwner<T> {
     side: usize,
     share: Option<T>,
 }
 
-/// Outward normal of an edge with the edge's length.
+/// Outward normal of an edge; its length is that of the edge.
 #[inline(always)]
 fn outward<T: Number>([a, b]: [&Vertex<T>; 2]) -> [T; 2] {
     [b.p[1] - a.p[1], a.p[0] - b.p[0]]
@@ -177,8 +179,8 @@ impl<T: Number> Polygon<T> {
         ([&self.vertices[k], &self.vertices[next]], [k, next])
     }
 
-    /// Triangles that share the force of an edge: the one on whose border it lies, and partly the other one if its own border is nearer
-    /// than `band` in units of its height; half each where both coincide. This makes the forces continuous, without resultant or moment.
+    /// Triangles that bear the force of an edge: the one on whose border the edge lies, and in part the other one if its border is nearer
+    /// than `band` times its height; half each where both coincide. This makes the forces continuous, without resultant or moment.
     #[inline(always)]
     fn bearer(&self, ends: [&Vertex<T>; 2], band: f64) -> EdgeOwner<T> {
         let side = if ends[0].border == PolygonBorder::Secondary { 0 } else { 1 };
@@ -200,8 +202,8 @@ impl<T: Number> Polygon<T> {
         EdgeOwner { side, share: Some(near * near * 0.5) }
     }
 
-    /// Coefficients of the corner values of an affine function in the integral of its product with another affine function with the values
-    /// `other`; exact.
+    /// Integral of the product of two affine functions as a linear form: returns the coefficients of the corner values of one function,
+    /// given the corner values `other` of the other function. Exact.
     #[inline(always)]
     pub fn counting<R: Number + Mul<T, Output = R>>(&self, other: &[R; VERTICES]) -> [R; VERTICES] {
         let mut counts = [R::from(0.0); VERTICES];
@@ -311,7 +313,7 @@ impl<T: Number> Polygon<T> {
 }
 
 impl Polygon<f64> {
-    /// Derivatives of the forces that pass between edges within a band with respect to the heights of the corners `[12 x 6]`.
+    /// Derivatives of the forces that pass gradually between edges within the band, with respect to the heights of the corners `[12 x 6]`.
     pub fn passed(&self, closing: &Option<Closing<f64>>, weights: &[f64; 3], band: f64) -> [[f64; 6]; 12] {
         let mut passed = [[0.0; 6]; 12];
         let weight: [f64; VERTICES] = self.weights(weights);

@@ -1,6 +1,6 @@
-//! Press fits of facets in space that are too coarse (findings of `checks.rs`): curves through nodes whose facets turn too far have no
-//! height profile (`profiles.rs`), and their height over the facets is missing in the fit. Heights that deviate from a quadratic profile
-//! are missing between unlike meshes.
+//! Press fits of facets in space that are too coarse (findings of `checks.rs`). Curves through nodes whose facets make too large angles
+//! have no height profile (`profiles.rs`), and their height over the facets is missing in the fit. Between nonmatching meshes, deviations
+//! of the height from a quadratic profile are missing, too.
 
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
@@ -14,19 +14,20 @@ use crate::contact::surface::Surface;
 /// Cosine of the largest angle between two facets of a curve: 50 degrees.
 const CURVE: f64 = 0.642_787_609_686_54;
 
-/// Relative error of nodal pressures over the deviation of the primary profiles, relative to the interference: 3.0 to 4.1 in fits of tubes
-/// and spheres of `hex8`, 28 on 20, 24 on 20 and 20 on 24 cells around. Deviations of secondary profiles have no mean, and no effect.
+/// Relative error of nodal pressures per ratio of the deviation of the primary profiles to the interference. Measured: 3.0 to 4.1 in fits
+/// of tubes and spheres of `hex8` with 28 on 20, 24 on 20 and 20 on 24 cells around. Deviations of secondary profiles have zero mean and no
+/// effect.
 const RESPONSE: f64 = 3.3;
 
-/// [`RESPONSE`] of facets of three nodes: errors of 0.6 to 0.8 with exact and fitted heights in fits of tubes of `tet4`, 28 on 20 cells
-/// around, interference 1e-3 of the radius.
+/// [`RESPONSE`] for facets of three nodes. Measured: pressure errors of 0.6 to 0.8, for exact and fitted heights, in fits of tubes of
+/// `tet4` with 28 on 20 cells around and an interference of 1e-3 of the radius.
 const RESPONSE_OF_TRIANGLES: f64 = 45.0;
 
-/// Smallest ratio of primary to secondary facet sizes at which pressures follow the deviation of primary profiles: none at 20 on 28 cells
-/// around.
+/// Smallest ratio of primary to secondary facet sizes at which pressures follow the deviation of primary profiles; with 20 on 28 cells
+/// around there is no such error.
 const RESOLVED: f64 = 0.75;
 
-/// Tangential distance of a secondary node from the nearest primary node, in facet sizes, up to which both meshes match.
+/// Tangential distance of a secondary node from the nearest primary node, in facet sizes, up to which the meshes count as matching.
 const MATCHING: f64 = 0.05;
 
 /// Press fit of curves, and error of the facets that represent them.
@@ -34,11 +35,11 @@ const MATCHING: f64 = 0.05;
 pub struct PressFit {
     /// Interference of the curves `[length]`.
     pub interference: f64,
-    /// Mean height of a curve over facets without height profile, on the side with the larger one `[length]`.
+    /// Mean height of a curve over facets without a height profile, on the side where it is larger `[length]`.
     pub missed: f64,
     /// Mean deviation of the primary curve from its height profiles where the meshes do not match `[length]`.
     pub deviation: f64,
-    /// Relative error of nodal pressures per deviation relative to the interference.
+    /// Relative error of nodal pressures per ratio of deviation to interference.
     response: f64,
 }
 
@@ -154,7 +155,7 @@ mod tests {
     fn deviations_of_unlike_meshes_are_found() {
         let theta = std::f64::consts::FRAC_PI_2 / 5.0;
         let fit = found(7, 5, 1e-4).expect("they overlap");
-        // Both ends of the quarter match.
+        // At both ends of the quarter circle the meshes match, so that a quarter of the deviation is missing there.
         assert!((fit.deviation / (theta.powi(4) / 640.0) - 0.75).abs() < 0.1 && fit.is_uneven(), "{fit:?}");
         assert!(found(5, 7, 1e-4).is_some_and(|fit| !fit.is_uneven()));
         assert!(found(7, 5, 1e-3).is_some_and(|fit| !fit.is_uneven()));

@@ -30,25 +30,26 @@ use crate::math::tolerances::STRAIGHT;
 /// corners, by 21 degrees.
 const SMOOTH: f64 = 0.906_307_787_036_65;
 
-/// Cosine of the largest angle between an edge and the vector to a neighbor along which the surface continues.
+/// Cosine of the largest angle between an edge and the vector to a node by which the surface counts as continued in the direction of the
+/// edge.
 const ONWARDS: f64 = 0.3;
 
-/// Relative singular value of a fit below which its direction is undetermined.
+/// Relative singular value of the fit of a quadric below which the corresponding direction is undetermined.
 const OPEN: f64 = 0.05;
 
 /// Quadratic height over a triangle with the shape functions `L_i`, `sum b_ij L_i L_j`: `b_00, b_11, b_22, b_01, b_12, b_20` `[length]`,
 /// outwards.
 pub type Form = [f64; 6];
 
-/// Iterations for the point of a tilted triangle over which a point of the curve lies; one is exact to second order in the tilt.
+/// Iterations for the point of a tilted triangle below a point of the curve; one iteration is exact to second order in the tilt.
 const TILTS: usize = 3;
 
-/// Form with the heights over three corners and the sagittas along the sides that start there.
+/// Form with the given heights over three corners and sagittas along the sides that start there.
 fn form([a, b, c]: [f64; 3], [ab, bc, ca]: [f64; 3]) -> Form {
     [a, b, c, 2.0 * ab + 0.5 * (a + b), 2.0 * bc + 0.5 * (b + c), 2.0 * ca + 0.5 * (c + a)]
 }
 
-/// Form of a triangle with exchanged first two corners.
+/// Form of the triangle with its first two corners exchanged.
 pub fn turned(&[a, b, c, ab, bc, ca]: &Form) -> Form {
     [b, a, c, ab, ca, bc]
 }
@@ -142,14 +143,14 @@ impl Profile {
         if count == 3 { self.forms[0][k] } else { self.forms[k][0] }
     }
 
-    /// Height over the triangle of that index.
+    /// Height as a function on triangle number `triangle` of the facet.
     #[inline(always)]
     pub fn form(&self, triangle: usize) -> &Form {
         &self.forms[triangle]
     }
 }
 
-/// Data of nodal constraints, one per secondary node.
+/// Data of nodal constraints in space, one entry per secondary node.
 #[derive(Clone, Debug)]
 pub struct NodalRows {
     /// Height of the curve over each secondary node `[length]`.
@@ -158,11 +159,10 @@ pub struct NodalRows {
     pub profiles: Vec<Profile>,
 }
 
-/// Deviation of a circular arc from the parabola with the same ends and the same mean height, over the arc's length and the cube of its
-/// angle.
+/// Deviation of a circular arc from the parabola with the same ends and mean height, divided by the arc's length and the cube of its angle.
 const DEVIATION: f64 = 1.0 / 640.0;
 
-/// Mean heights of the curved surface over the facets of a surface.
+/// Mean heights of the curved surface over its facets, and deviations from quadratic heights.
 #[derive(Clone, Debug, Default)]
 pub struct Profiles {
     /// Mean height over each facet `[length]`.
@@ -205,12 +205,12 @@ impl Profiles {
         self.deviations[facet]
     }
 
-    /// Largest mean height of a convex surface over some facets, by which sub-facet points may lie above it `[length]`.
+    /// Largest mean height of a convex surface over the given facets, by which sub-facet points may lie above the surface `[length]`.
     pub fn raised_by(&self, facets: &[u32]) -> f64 {
         facets.iter().filter_map(|&facet| self.heights.get(facet as usize)).copied().fold(0.0, f64::max)
     }
 
-    /// Largest distance of facet middles from a hollow surface below them, 1.5 times the mean height of a parabola `[length]`.
+    /// Largest distance between facet middles and a hollow surface below them `[length]`: 1.5 times the mean height, as for a parabola.
     pub fn hollow(&self, facets: &[u32]) -> f64 {
         -1.5 * facets.iter().filter_map(|&facet| self.heights.get(facet as usize)).copied().fold(0.0, f64::min)
     }
@@ -257,8 +257,8 @@ impl<'a> Facets<'a> {
         facets
     }
 
-    /// Facets around a node that continue a facet smoothly, including itself: connected to it by edges along which facets turn by at most
-    /// the largest angle of a curve. Across a node where three facets meet, facets of a sphere turn by up to 1.4 times that.
+    /// Facets around a node that continue a facet smoothly, including the facet itself: connected to it by edges along which facets turn by
+    /// at most the largest angle of a curve. Across a node where three facets meet, facets of a sphere turn by up to 1.4 times that.
     fn connected(&self, facet: usize, node: usize) -> Vec<usize> {
         let own = self.surface.nodes()[node];
         let widest = (SQRT_2 * self.smooth.acos()).cos();
@@ -344,8 +344,8 @@ impl<'a> Facets<'a> {
         ways.filter(|way| way.norm_squared() > 0.0).collect()
     }
 
-    /// Angle of the surface against the side of a facet that ends at corner `k` with the vector `way`, in the plane of the side and the
-    /// facet's normal, positive on a convex surface; `None` where the surface ends.
+    /// Angle between the surface and the side of a facet that ends at corner `k` with the vector `way` `[rad]`, in the plane of the side
+    /// and the facet's normal; positive on a convex surface, `None` where the surface ends.
     fn turn(&self, facet: usize, k: usize, way: Vector) -> Option<f64> {
         let normal = self.normals[facet];
         let rise = normal.dot(&way);
@@ -361,7 +361,7 @@ impl<'a> Facets<'a> {
         self.ring(self.surface.facet(facet)[k], &self.around(facet, k)).iter().any(goes_on).then(angle)
     }
 
-    /// Height profile over a facet between other points that represent its nodes.
+    /// Height profile over a facet between the points `seen`, which represent its nodes.
     fn profile(&self, facet: usize, seen: &[f64]) -> Profile {
         let nodes = self.surface.facet(facet);
         let sagittas = self.sagittas(facet);
@@ -370,7 +370,7 @@ impl<'a> Facets<'a> {
         }
         let normal = faces::normal(nodes, seen);
         let apart = |k: usize| faces::at(nodes[k], self.q) - faces::at(nodes[k], seen);
-        // Distance along the facet's normal to the tangent plane of the surface at the node.
+        // Distance along the facet's normal from a point of `seen` to the tangent plane of the surface at its node.
         let height = |k: usize| {
             let of_curve = self.normal(facet, k);
             apart(k).dot(&of_curve) / of_curve.dot(&normal)
@@ -446,7 +446,7 @@ mod tests {
         for facet in 0..triangles.count() {
             let nodes = triangles.facet(facet);
             for k in 0..3 {
-                // Except at the ends of the strip: nodes 2 k and 2 k + 1 have the same angle.
+                // The sides between nodes 2 k and 2 k + 1, which have the same polar angle, are straight.
                 let around = if nodes[k] / 2 == nodes[(k + 1) % 3] / 2 { 0.0 } else { exact };
                 if nodes.iter().all(|&node| (2..16).contains(&node)) {
                     let sagitta = found.sagittas(facet)[k];

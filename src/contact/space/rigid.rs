@@ -25,16 +25,16 @@ use crate::contact::surface::{Sides, Surface};
 use crate::integrators::{Configuration, Derivative};
 use crate::math::tolerances::CROSSING;
 
-/// Constraints of a node for an obstacle with pockets: three sides meet in a corner.
+/// Largest number of constraints of a node for an obstacle with pockets: three sides meet in a corner.
 const SLOTS: usize = 3;
 
-/// Distance from a sharp edge of an obstacle, in smallest facets, within which a node keeps to one face in a step.
+/// Distance from a sharp edge of an obstacle, in smallest facets, within which a node has the plane of one face as obstacle in a step.
 const AT_EDGE: f64 = 0.02;
 
-/// Cosine up to which the surface beside a node may lie behind the face of that node.
+/// Largest cosine by which the surface next to a node may recede behind the face that is chosen as obstacle of the node.
 const RECEDES: f64 = 0.1;
 
-/// Distance from a further side of an obstacle, in smallest facets, within which a node has a constraint for it.
+/// Distance from a further side of an obstacle, in smallest facets, within which a node has a constraint against this side.
 const IN_POCKET: f64 = 1.0;
 
 /// Contact of a surface in space with a rigid obstacle.
@@ -46,14 +46,15 @@ pub struct RigidInSpace {
     /// Height of the curve over each node or point `[length]`.
     heights: Vec<f64>,
     translations: [[f64; 3]; 3],
-    /// Displacement and rotation angle about its axis with which the obstacle carries sticking points.
+    /// Displacement `[length]` and rotation angle `[rad]` of the obstacle's surface in the step, relative to which slip is measured.
     carried: ([f64; 3], f64),
     start: Vec<Vector3<f64>>,
     /// Nodes connected to each node by an edge.
     neighbors: Vec<Vec<usize>>,
-    /// True for nodes or points without constraints: those inside of round parts of a rigid body, which `contact/rolling.rs` constrains.
+    /// True for nodes or points without constraints: those inside of round parts of a rigid body, which `contact/rolling.rs` constrains
+    /// instead.
     is_hidden: Vec<bool>,
-    /// Shape from which each constraint is measured in this step; `None` for absent constraints.
+    /// Shape from which the gap of each constraint is measured in this step; `None` for absent constraints.
     obstacle_sides: Vec<Option<Shape>>,
 }
 
@@ -72,7 +73,7 @@ impl RigidInSpace {
         };
         let mut sides = Sides::of(secondary, Surface::in_space([]), reference);
         sides.weights = sides.weights.iter().flat_map(|&weight| std::iter::repeat_n(weight, slots)).collect();
-        // Every node is opposite the obstacle: the list of contact elements never changes.
+        // Every node is opposite the obstacle, so that the list of contact elements never changes.
         for (index, &node) in (0u32..).zip(sides.secondary.nodes()) {
             let rows: Vec<u32> = (0..slots as u32).map(|slot| slots as u32 * index + slot).collect();
             sides.patches.push(&[node], &rows);
@@ -119,7 +120,7 @@ impl RigidInSpace {
             let Shape::Facets(facets) = &self.shape else { continue };
             let (nearest, rising) = if facets.has_pockets() { facets.around(x, IN_POCKET * size) } else { (0, Vec::new()) };
             if !rising.is_empty() {
-                // The order is independent of the distances, so that constraints keep their sides and multipliers.
+                // Sides are in an order independent of their distances, so that multipliers stay with their sides.
                 let mut sides: Vec<usize> = std::iter::once(nearest).chain(rising).take(SLOTS).collect();
                 sides.sort_unstable();
                 of_node
@@ -128,9 +129,9 @@ impl RigidInSpace {
                     .for_each(|(obstacle_side, side)| *obstacle_side = Some(Shape::Side(Arc::clone(facets), side)));
                 continue;
             }
-            // Plane of one face instead of the whole obstacle: otherwise a node pushed past an edge by one face returns without the push,
-            // and the step has no solution. If the surface beside the node continues behind all faces, the edge is in front of the node and
-            // stays its obstacle.
+            // Near a sharp edge the plane of one face replaces the obstacle. Otherwise the step may have no solution: one face pushes the
+            // node past the edge, and without this force the node returns. If the surface next to the node recedes behind all faces, the
+            // node is in front of the edge, which remains its obstacle.
             let planes = facets.planes_at_edge(x, AT_EDGE * size);
             if !planes.is_empty() {
                 let rises = |normal: Vector3<f64>, other: usize| normal.dot(&(self.start[other] - self.start[index]).normalize());
@@ -358,7 +359,7 @@ mod tests {
         Facets::new(&points, &triangles).expect("it is a surface")
     }
 
-    /// One facet, and a moving obstacle.
+    /// Contact of one facet with a moving obstacle.
     fn contact(obstacle: &ObstacleInSpace, q_0: &[f64], translations: &[[f64; 3]; 3]) -> RigidInSpace {
         let mut kernel = RigidInSpace::new(Surface::in_space([&[0, 1, 2][..]]), obstacle, q_0);
         kernel.move_obstacle(translations);
@@ -384,7 +385,7 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig { cases: 500, rng_seed: RngSeed::Fixed(2007), failure_persistence: None, ..Default::default() })]
 
-        /// Work of the forces = multipliers times changes of the gaps + work of the obstacle's motion.
+        /// The work of the forces equals multipliers times changes of the gaps plus the work of the obstacle's motion.
         #[test]
         fn work_is_what_the_gaps_and_the_motion_say((q_0, q_1, translations) in step()) {
             for obstacle in obstacles() {
@@ -532,7 +533,7 @@ mod tests {
         three.sort_by(f64::total_cmp);
         assert!(three.iter().zip([0.1, 0.2, 0.3]).all(|(a, b)| (a - b).abs() < 1e-15) && three.len() == 3, "{three:?}");
         assert_eq!(gaps_at([2.5, 2.5, 0.25]).len(), 1);
-        // A node outside of two sides has both penetrations.
+        // A node outside of two sides penetrates both.
         let out = gaps_at([-0.05, 1.0, -0.1]);
         assert!(out.len() == 2 && out.iter().all(|gap| *gap < 0.0), "{out:?}");
     }

@@ -29,16 +29,16 @@ use crate::contact::window::PredictedMotion;
 use crate::integrators::{Configuration, Derivative};
 use crate::math::tolerances::{LIES_ALONG, PROJECTED_INCREMENT, REMAINDER};
 
-/// Penetration in smallest facets beyond which an edge has no constraint: larger initial overlaps are held by the nodes.
+/// Penetration, in smallest facets, beyond which an edge has no constraint: larger initial overlaps are resolved by nodal constraints.
 const SUNK: f64 = 0.55;
 
 /// Opening in smallest facets, in addition to the motion bound, up to which an edge has a constraint.
 const OPEN: f64 = 0.25;
 
-/// Edge coordinate from each end within which only the node has a constraint.
+/// Distance of the deepest point from each end, in the edge coordinate, within which the edge has no constraint but its node has.
 const AT_END: f64 = 0.02;
 
-/// Relative jump of the slope along an edge that counts as a kink; smaller jumps are round-off of a smooth shape.
+/// Jump of the slope along an edge, relative to the edge length, that counts as a kink; smaller jumps are round-off of a smooth shape.
 const KINK: f64 = 0.01;
 
 /// Bisections in the search for the deepest point of an edge.
@@ -54,18 +54,18 @@ pub struct RoundInSpace {
     sides: Sides,
     shape: Shape,
     translations: [[f64; 3]; 3],
-    /// Displacement and rotation angle about its axis with which the obstacle carries sticking points.
+    /// Displacement `[length]` and rotation angle `[rad]` of the obstacle's surface in the step, relative to which slip is measured.
     carried: ([f64; 3], f64),
-    /// True if edges have constraints at the rim only, because the obstacle is otherwise large.
+    /// True if edges have constraints at the rim of a finite cylinder only, because its side is too large to penetrate between nodes.
     only_at_rim: bool,
-    /// True for each constraint that is present in this step; for each constraint, the searched segment of its edge.
+    /// True for each constraint that is present in this step; `stretches`: for each constraint, the segment of its edge that is searched.
     is_there: Vec<bool>,
     stretches: Vec<Stretch>,
     /// Ends of the edges at the start of the step, relative to the obstacle.
     start: Vec<Ends>,
 }
 
-/// Segment of an edge that is searched for its deepest point. Across the hole of a torus an edge has two segments with a constraint each.
+/// Segment of an edge that is searched for its deepest point. An edge across the hole of a torus has two segments with one constraint each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Stretch {
     Whole,
@@ -86,7 +86,7 @@ struct Deepest {
 struct Kink {
     normal: Vector3<f64>,
     curvature: Matrix3<f64>,
-    /// Difference of both normals, and its component along the edge.
+    /// Difference of both normals; `jump`: its component along the edge.
     difference: Vector3<f64>,
     jump: f64,
 }
@@ -96,7 +96,7 @@ impl Kink {
     fn between([a, b]: [Distance; 2], along: Vector3<f64>) -> Option<Self> {
         let difference = b.normal - a.normal;
         let jump = difference.dot(&along);
-        // Coefficient of the first side.
+        // Coefficient of the first side's normal in the convex combination.
         let share = b.normal.dot(&along) / jump;
         (jump > KINK * along.norm()).then(|| Kink {
             normal: b.normal - difference * share,
@@ -141,7 +141,7 @@ impl Deepest {
         Deepest { at, share, gradient, kink }
     }
 
-    /// Derivatives of the slope along the edge: with respect to the ends, and to the edge coordinate (0 if that is fixed).
+    /// Derivatives of the distance's slope along the edge: with respect to the ends, and to the edge coordinate (0 if this is fixed).
     fn turning(&self, [a, b]: Ends) -> (Six, f64) {
         let Deepest { ref at, share, ref kink, .. } = *self;
         let (along, shares) = (b - a, [1.0 - share, share]);
@@ -156,7 +156,7 @@ impl Deepest {
         (coupling, if is_free { bend } else { 0.0 })
     }
 
-    /// Derivative of the edge coordinate with respect to the ends.
+    /// Derivative of the edge coordinate of the deepest point with respect to the ends.
     fn slide(&self, ends: Ends) -> Six {
         if let Some(kink) = &self.kink {
             return self.apart(kink) / -kink.jump;
@@ -173,7 +173,7 @@ impl Deepest {
         apart
     }
 
-    /// Hessian of the distance: that at a fixed edge coordinate, reduced by the motion of the deepest point.
+    /// Hessian of the least distance: the Hessian at fixed edge coordinate, reduced by the motion of the deepest point along the edge.
     fn hessian(&self, ends: Ends) -> SixBySix {
         let Deepest { ref at, share, .. } = *self;
         let shares = [1.0 - share, share];
@@ -185,7 +185,7 @@ impl Deepest {
         }
         let (coupling, bend) = self.turning(ends);
         if let Some(kink) = &self.kink {
-            // The point keeps equal distances from both sides, and the combined normal keeps no component along the edge.
+            // At a kink, the point keeps equal distances from both sides, and the combined normal keeps a zero component along the edge.
             let (apart, along) = (self.apart(kink), ends[1] - ends[0]);
             hessian -= (coupling * apart.transpose() + apart * coupling.transpose()) / kink.jump;
             hessian += apart * apart.transpose() * (along.dot(&(at.curvature * along)) / kink.jump.powi(2));
@@ -210,7 +210,7 @@ impl RoundInSpace {
             _ => false,
         };
         let edges: Vec<[u32; 2]> = match shape {
-            // A sphere touches facets in smooth regions, so that only sharp edges need constraints.
+            // In smooth regions a sphere touches facets rather than edges, so that only sharp edges need constraints.
             Shape::Sphere { .. } => Features::new(surface, reference).edges.iter().map(|edge| edge.nodes).collect(),
             _ => surface.edges().iter().map(|edge| edge.nodes).collect(),
         };
@@ -265,7 +265,7 @@ impl RoundInSpace {
             return false;
         }
         let Deepest { at, share, kink, .. } = self.deepest_of(row, ends);
-        // Where the edge crosses the hole, no point is deeper than its neighbors.
+        // If the segment's end over the hole is its deepest point, this is no local minimum of the distance along the edge.
         if self.stretches[row] != Stretch::Whole && (share - self.shape.nearest_to_axis(ends)).abs() < AT_END {
             return false;
         }
@@ -366,7 +366,7 @@ impl PatchFunctions for RoundInSpace {
     }
 
     fn row_nodes(&self) -> &[u32] {
-        // Constraints belong to edges.
+        // Constraints belong to edges, not to nodes.
         &[]
     }
 
@@ -394,7 +394,7 @@ impl PatchFunctions for RoundInSpace {
             (out.gap[row], out.coverage[row]) = (weight * end.at.gap, 1.0);
             out.gradient_end[6 * row..6 * (row + 1)].copy_from_slice((end.gradient * weight).as_slice());
             out.gradient_bar[6 * row..6 * (row + 1)].copy_from_slice((bar * weight).as_slice());
-            // Row-major: columns of the transposed matrix.
+            // Column-major storage of the transposed matrix is row-major storage of the matrix.
             let block = tangent.transpose() * (weight * lambda[row]);
             out.tangent[36 * row..36 * (row + 1)].copy_from_slice(block.as_slice());
         }
@@ -513,7 +513,7 @@ mod tests {
             ObstacleInSpace::FiniteCylinder { center: [0.3, 0.5, 0.0], axis: [0.1, 0.2, 1.0], radius: 0.4, length: 0.9, edge: 0.004 },
             ObstacleInSpace::Cone { tip: [0.4, 0.1, 0.4], axis: [0.1, 0.2, -1.0], angle: 0.7, is_hollow },
             ObstacleInSpace::Torus { center: [0.5, 0.5, 0.2], axis, radius: 0.4, tube: 0.2, is_hollow },
-            // Two contact points below the edge from (0, 0) to (1, 0).
+            // Torus with two contact points below the edge from (0, 0) to (1, 0).
             ObstacleInSpace::Torus { center: [0.5, 0.1, 0.2], axis, radius: 0.3, tube: 0.25, is_hollow },
         ]
     }
@@ -530,7 +530,7 @@ mod tests {
         })
     }
 
-    /// Facet with constraints of all edges that the obstacle touches between their ends.
+    /// Kernel with one facet, for which the constraints of all edges are present that the obstacle touches between their ends.
     fn contact(obstacle: &ObstacleInSpace, q_0: &[f64], translations: &[[f64; 3]; 3]) -> RoundInSpace {
         let surface = Surface::in_space([&[0, 1, 2, 3][..]]);
         let mut kernel = RoundInSpace::new(&surface, obstacle, q_0, 1.0).expect("it is small");
@@ -587,7 +587,7 @@ mod tests {
                 for derivative in Derivative::ALL {
                     let out = evaluated(&kernel, derivative, &q_1, &lambda);
                     for (row, (component, node)) in (0..kernel.rows()).flat_map(|row| (0..6).map(move |k| (row, (k % 3, k / 3)))) {
-                        // Over the hole, where the segment of a constraint ends, the constraint has no derivative.
+                        // At the end of a segment over the hole of a torus the constraint has no derivative.
                         let [start, end] = [kernel.ends(row, &q_0, 0), kernel.ends(row, &q_1, 2)];
                         let ends_at_hole = |ends: Ends| {
                             let share = kernel.deepest_of(row, ends).share;
@@ -621,14 +621,14 @@ mod tests {
         }
     }
 
-    /// Rod across an edge: the gap is the common perpendicular less the radius.
+    /// Rod across an edge: the gap is the length of the common perpendicular minus the radius.
     #[test]
     fn a_rod_is_as_far_from_an_edge_as_the_common_perpendicular_says() {
         let q = [0.0, 0.0, 0.5, 0.0, 1.0, 0.5, 1.0, 1.0, 0.5, 1.0, 0.0, 0.5];
         let rod = ObstacleInSpace::Cylinder { point: [0.5, 0.3, 0.0], axis: [1.0, 0.0, 0.0], radius: 0.4, is_hollow: false };
         let kernel = contact(&rod, &q, &[[0.0; 3]; 3]);
         let rows: Vec<usize> = kernel.rows_there().collect();
-        // Edges along x are parallel to the rod; their nodes have the whole penetration.
+        // Edges along x are parallel to the rod: their nodes have the full penetration, so that only two edges have constraints.
         assert_eq!(rows.len(), 2);
         assert!(rows.iter().all(|&row| (kernel.gap(&q)[row] - 0.1).abs() < 1e-12));
     }

@@ -36,24 +36,25 @@ use crate::elements::{CellKind, face_points};
 use crate::math::tolerances;
 use crate::mesh::{flat_pieces, pieces_of};
 
-/// Factors `k` of the edges' offsets in the shift of corners, for triangles and for quadrilaterals.
+/// Factors `k` of the edge offsets in the shift of corners: of triangles, and `OF_QUADRILATERALS`.
 const OF_TRIANGLES: f64 = 1.0 / 4.0;
 const OF_QUADRILATERALS: f64 = 1.0 / 3.0;
 
-/// Iterations that adjust areas and points to each other; one is exact if the points of plane faces are the nodes.
+/// Iterations in which the areas of the points and the factors of the offsets are adapted to each other; one is exact if the points of
+/// plane faces are the nodes.
 const ROUNDS: usize = 3;
 
-/// Contact representation of two surfaces in space: between their nodes, or between points on faces of second order.
+/// Surfaces as contact in space represents them: facets between nodes, or between points on faces of second order.
 pub struct ProxySurfacesInSpace<'a> {
-    /// Side with the constraints.
+    /// Secondary surface, whose points have the constraints.
     pub secondary: Surface,
-    /// Side without constraints.
+    /// Primary surface, without constraints.
     pub primary: Surface,
-    /// Reference positions of the nodes or points `[length]`.
+    /// Reference positions of the nodes or points between which facets lie `[length]`.
     pub reference: Cow<'a, [f64]>,
-    /// Reference positions of the curve's points that the nodes or points represent `[length]`.
+    /// Reference positions of those points of the curved surface that the nodes or points represent `[length]`.
     pub(super) curve: Cow<'a, [f64]>,
-    /// Node inside of the body behind each primary facet, for ties; otherwise empty.
+    /// For ties: a node inside of the body behind each primary facet; otherwise empty.
     pub inner: Vec<u32>,
     /// Height profiles of the facets of both sides.
     pub(super) profiles: [Vec<Profile>; 2],
@@ -107,8 +108,8 @@ impl<'a> ProxySurfacesInSpace<'a> {
         self
     }
 
-    /// Replaces the height profiles of sides with those of exact shapes: functions that give the height over a point of a facet with a unit
-    /// normal, `None` where the facet does not represent the shape.
+    /// Replaces the height profiles of sides by those of exact shapes. A shape is a function that returns the height over a point of a
+    /// facet with a given unit normal; `None` where the facet does not represent the shape.
     pub fn of_exact(mut self, shapes: [Option<impl Fn(Vector, Vector) -> Option<f64>>; 2]) -> Self {
         for ((surface, profiles), shape) in [&self.secondary, &self.primary].into_iter().zip(&mut self.profiles).zip(shapes) {
             let Some(height) = shape else { continue };
@@ -126,13 +127,13 @@ impl<'a> ProxySurfacesInSpace<'a> {
         profiles
     }
 
-    /// True for each secondary node or point that belongs to one of these model nodes (ascending).
+    /// True for each secondary node or point that belongs to one of the given model nodes (ascending).
     pub fn belongs_to(&self, nodes: &[u32]) -> Vec<bool> {
         let home = |&point: &u32| self.on_faces.as_ref().map_or(point, |(_, homes, _)| homes.parts(point as usize)[0].0);
         self.secondary.nodes().iter().map(|point| nodes.binary_search(&home(point)).is_ok()).collect()
     }
 
-    /// Height of the curve over each node or point of a side, averaged over its facets with profiles `[length]`.
+    /// Height of the curved surface over each node or point of a side, averaged over its facets with height profiles `[length]`.
     pub(super) fn heights(&self, side: usize) -> Vec<f64> {
         let (surface, profiles) = ([&self.secondary, &self.primary][side], &self.profiles[side]);
         let of_node = |node: usize| {
@@ -148,8 +149,8 @@ impl<'a> ProxySurfacesInSpace<'a> {
         (0..surface.nodes().len()).map(of_node).collect()
     }
 
-    /// Transforms a contact method for these surfaces to the nodes of the model. `is_of_surface`: constraints belong to the secondary
-    /// nodes, not to selected points of either side.
+    /// Transforms `kernel`, a contact method on the points of the proxy surfaces, to the nodes of the model. `is_of_surface`: constraints
+    /// belong to the secondary nodes, not to selected points of either side.
     pub fn on_nodes(&self, kernel: Box<dyn ContactKernel>, is_of_surface: bool) -> Box<dyn ContactKernel> {
         let Some((points, homes, mut sides)) = self.on_faces.clone() else { return kernel };
         let mut rows = Combinations::default();
@@ -180,7 +181,7 @@ struct Edge {
     /// Shift of the mid-side node along the chord from the chord's middle in the reference positions, in chord lengths.
     shift: f64,
     is_curved: bool,
-    /// Factor `k` of the offset in the shift of the corners.
+    /// Factor `k` of the offset in the shift of the corners of the face.
     by: f64,
     /// Factor `r` of the edge's offset `d` in its points.
     raised: f64,
@@ -199,7 +200,7 @@ impl Edge {
         (m - 0.5 * (a + b)).dot(&normal) / (b - a).norm()
     }
 
-    /// Point of the chord below the mid-side node, times a factor.
+    /// Coefficients of the end nodes in `by` times the point of the chord below the mid-side node.
     fn chord(&self, by: f64) -> [(u32, f64); 2] {
         [(self.ends[0], by * (0.5 - self.shift)), (self.ends[1], by * (0.5 + self.shift))]
     }
@@ -212,29 +213,29 @@ struct Center {
     raised: f64,
 }
 
-/// Coefficients of a point.
+/// Point of the representation as a combination of nodes and edge offsets.
 #[derive(Default)]
 struct Proxy {
-    /// Coefficients of the nodes without offsets.
+    /// Coefficients of the nodes, without offsets.
     base: Vec<(u32, f64)>,
-    /// Edges whose offsets raise the point, with factors: independent of `r`, and to be multiplied by `r`.
+    /// Edges whose offsets shift the point, with factors that are independent of `r`; `own`: with factors to be multiplied by `r`.
     raised: Vec<(usize, f64)>,
     own: Vec<(usize, f64)>,
-    /// Nodes whose multipliers the point interpolates.
+    /// Home nodes, whose multipliers the point interpolates.
     homes: Vec<(u32, f64)>,
 }
 
-/// Points on the faces of two surfaces.
+/// Points on the faces of two surfaces, with the edges and centers that define them.
 struct Proxies {
     edges: Vec<Edge>,
     edge_of: BTreeMap<u32, usize>,
     centers: Vec<Center>,
-    /// Point of each node, and center of each face of eight or nine nodes.
+    /// Index of the point of each node; `center_of`: of the center of each face of eight or nine nodes.
     point_of: BTreeMap<u32, u32>,
     center_of: BTreeMap<Vec<u32>, u32>,
     proxies: Vec<Proxy>,
     faces: Vec<Vec<u32>>,
-    /// Integrals over the faces of the shape functions that multiply each edge's offset.
+    /// Integrals over the faces of the shape functions that multiply each edge's offset, to which the factors `r` are adapted.
     wanted: Vec<f64>,
 }
 
@@ -271,7 +272,7 @@ fn corners(face: &[u32]) -> usize {
 }
 
 impl Proxies {
-    /// Points on faces, and points of other nodes without faces.
+    /// Makes the points on the faces, and points of the nodes `others` that belong to no face.
     fn new(sides: [&[Vec<u32>]; 2], others: &[u32], q: &[f64]) -> Self {
         let faces: BTreeSet<Vec<u32>> = sides.into_iter().flatten().cloned().collect();
         let mut made = Proxies {
@@ -353,8 +354,8 @@ impl Proxies {
                 let [x, y, z] = point.normal(&places);
                 let area = point.weight * x.hypot(y).hypot(z);
                 for k in 0..count {
-                    // The center function of a nine-node face vanishes at the mid-side nodes: half of it is added to each of their
-                    // functions.
+                    // The center function of a nine-node face is expressed by the offset `D`; half of it is added to each mid-side
+                    // function.
                     let shape = point.shapes[count + k] + point.shapes.get(8).map_or(0.0, |center| 0.5 * center);
                     self.wanted[self.edge_of[&face[count + k]]] += area * shape;
                 }
@@ -362,7 +363,7 @@ impl Proxies {
         }
     }
 
-    /// Facets of a face between points.
+    /// Facets between points into which a face is divided.
     fn pieces(&self, face: &[u32]) -> Vec<Vec<u32>> {
         let point = |k: &usize| if *k == 8 { self.center_of[face] } else { self.point_of[&face[*k]] };
         let pieces = flat_pieces(if face.len() == 8 { 9 } else { face.len() });
@@ -393,7 +394,8 @@ impl Proxies {
         (points, homes)
     }
 
-    /// Positions of the nodes that the points represent, and of the centers of eight-node faces.
+    /// Positions of the points: those of the nodes that they represent, or of the centers of eight-node faces; others are taken from
+    /// `seen`.
     fn nodes(&self, seen: &[f64], q: &[f64]) -> Vec<f64> {
         let mut places = seen.to_vec();
         let mut set = |point: u32, place: Vector| places[3 * point as usize..][..3].copy_from_slice(place.as_slice());
@@ -459,7 +461,7 @@ mod tests {
         (faces, q)
     }
 
-    /// Errors of the curved surface: mean, root mean square, largest.
+    /// Mean, root mean square and largest error of the curved surface represented by the profiles.
     fn errors(faces: &[Vec<u32>], q: &[f64]) -> [f64; 3] {
         let seen = ProxySurfacesInSpace::new([faces, &[]], q);
         let (mut sum, mut square, mut most, mut count) = (0.0, 0.0, 0.0f64, 0.0);

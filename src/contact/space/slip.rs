@@ -43,7 +43,8 @@ pub trait SlipsInSpace {
     /// Tangential constraints of contact element `p` at the positions of its nodes.
     fn groups<T: Number>(&self, p: usize, z: &[Vec3<T>]) -> Vec<Group<T>>;
 
-    /// Motion in the step of an obstacle as the other side; rigid motions of a contact element then have slip. `None` for two surfaces.
+    /// Motion in the step of the other side, if it is an obstacle; rigid motions of a contact element then have slip. `None` for two
+    /// surfaces.
     fn carrier(&self) -> Option<Carrier> {
         None
     }
@@ -63,7 +64,7 @@ pub struct Carrier {
 }
 
 impl Carrier {
-    /// Displacement `moved` of a point at `x` in mid-step, relative to the rigid motion.
+    /// Displacement `moved` of a point at `x` at mid-step, relative to the rigid motion.
     fn against<T: Number>(&self, moved: Vec3<f64>, x: &Vec3<T>) -> Vec3<T> {
         let beside = sub(moved, self.shift).map(T::from);
         if self.turn == [0.0; 3] {
@@ -73,7 +74,7 @@ impl Carrier {
     }
 }
 
-/// Vectors at the points `z`, without their rigid motion if `is_relative`.
+/// Vectors at the points `z`; if `is_relative`, without the rigid motion that they contain.
 fn relative<T: Number>(is_relative: bool, z: &[Vec3<T>], vectors: Vec<Vec3<T>>) -> Vec<Vec3<T>> {
     if is_relative { without_rigid_motion(z, &vectors) } else { vectors }
 }
@@ -89,7 +90,7 @@ impl<T: Number> Group<T> {
         }
     }
 
-    /// Slip along a tangent for these displacements.
+    /// Slip along a tangent for the nodal displacements `moved`.
     fn slip(&self, tangent: usize, moved: &[Vec3<T>]) -> T {
         let mut sum = [T::from(0.0); 3];
         for (weight, moved) in self.weights.iter().zip(moved) {
@@ -98,7 +99,7 @@ impl<T: Number> Group<T> {
         dot(self.tangents[tangent], sum)
     }
 
-    /// Adds the forces of multipliers along both tangents.
+    /// Adds the nodal forces of the multipliers `shear` along both tangents.
     fn add_forces(&self, shear: [f64; 2], forces: &mut [Vec3<T>]) {
         let [first, second] = self.tangents;
         let along: Vec3<T> = std::array::from_fn(|i| first[i] * shear[0] + second[i] * shear[1]);
@@ -119,7 +120,7 @@ pub fn evaluate(kernel: &impl SlipsInSpace, sides: &Sides, step: SlipStep, lambd
         patches.gather_into(p, step.q_1, &mut patch.end);
         patches.gather_into(p, step.moved, &mut patch.moved);
         patch.middle.iter_mut().zip(&patch.end).for_each(|(start, end)| *start = 0.5 * (*end + *start));
-        // A contact element has slips in all passes or in none: their existence does not depend on the differentiated unknowns.
+        // Each pass computes derivatives with respect to some unknowns. Whether a contact element has slip does not depend on the pass.
         for first in (0..patch.end.len()).step_by(LANES) {
             if !patch.differentiate(kernel, (patches, p), first, (step.test, lambda), out) {
                 break;
@@ -137,8 +138,8 @@ struct Patch {
 }
 
 impl Patch {
-    /// Writes the results of one pass with derivatives with respect to [`LANES`] unknowns, from `first` on; values only in the first pass.
-    /// `false` without slip.
+    /// Writes the results of one pass, with derivatives with respect to [`LANES`] unknowns from `first` on; values are written in the first
+    /// pass only. Returns false if there is no slip.
     fn differentiate(
         &self,
         kernel: &impl SlipsInSpace,
@@ -202,7 +203,7 @@ impl Patch {
     }
 }
 
-/// Gradient of a slip at the positions of the nodes.
+/// Gradient of a slip with respect to the node positions, one vector per node.
 fn row_of(group: &Group<f64>, tangent: usize, is_relative: bool, z: &[Vec3<f64>]) -> Vec<Vec3<f64>> {
     let mut row = vec![[0.0; 3]; z.len()];
     group.add_forces([[1.0, 0.0], [0.0, 1.0]][tangent], &mut row);
@@ -217,18 +218,18 @@ pub fn tangents<T: Number>(normal: Vec3<T>, axis: usize) -> [Vec3<T>; 2] {
     [first, cross(normal, first)]
 }
 
-/// Coordinate axis with the largest angle to a normal.
+/// Index of the coordinate axis with the largest angle to a normal.
 pub fn farthest_axis(normal: [f64; 3]) -> usize {
     (0..3).min_by(|&a, &b| normal[a].abs().total_cmp(&normal[b].abs())).unwrap_or(0)
 }
 
-/// Linear function of the points `z`, from its value and derivative there.
+/// Linear extrapolation of a function from its value and derivative at `z`, so that numbers with derivatives carry this derivative.
 pub fn linear<T: Number>(value: f64, derivative: &[f64], z: &[Vec3<T>]) -> T {
     let by = |sum: T, (slope, z): (&f64, &T)| sum + (*z - z.re()) * *slope;
     derivative.iter().zip(z.as_flattened()).fold(T::from(value), by)
 }
 
-/// Vectors at the points `z` without their rigid motion, `P`.
+/// Vectors at the points `z` without the rigid motion that they contain, `P` applied to the vectors.
 fn without_rigid_motion<T: Number>(z: &[Vec3<T>], vectors: &[Vec3<T>]) -> Vec<Vec3<T>> {
     let mean = |of: &[Vec3<T>]| -> Vec3<T> {
         let mut mean = [T::from(0.0); 3];
@@ -250,7 +251,7 @@ fn without_rigid_motion<T: Number>(z: &[Vec3<T>], vectors: &[Vec3<T>]) -> Vec<Ve
     }
     let cofactors: [Vec3<T>; 3] = std::array::from_fn(|i| cross(inertia[(i + 1) % 3], inertia[(i + 2) % 3]));
     let inverse = dot(inertia[0], cofactors[0]).recip();
-    // Symmetric: rows equal columns of the inverse.
+    // The inverse is symmetric, so that its columns serve as rows.
     let turn: Vec3<T> = cofactors.map(|cofactor| dot(cofactor, moment) * inverse);
     let rest = |(z, v): (&Vec3<T>, &Vec3<T>)| sub(sub(*v, shift), cross(turn, sub(*z, center)));
     z.iter().zip(vectors).map(rest).collect()
@@ -317,7 +318,7 @@ mod tests {
         let seen = ProxySurfacesInSpace::new(faces.each_ref().map(|faces| &faces[..]), &base);
         let mut kernels = vec![MortarInSpace::kernel(&seen)];
         kernels.extend(CornersInSpace::kernel(&seen));
-        // The upper facet lies entirely over the lower ones.
+        // For dual multipliers: one facet that lies entirely over the other side, so that it is fully covered.
         kernels.push(MortarInSpace::dual_kernel(&ProxySurfacesInSpace::new([&faces[1], &faces[0]], &base)));
         for kernel in &mut kernels {
             kernel.update_candidates(&PredictedMotion::within(q, 1.0));
@@ -326,7 +327,7 @@ mod tests {
         kernels
     }
 
-    /// Lower surface with moving round obstacles.
+    /// Contact kernels of the lower surface with moving round obstacles.
     fn obstacles(q: &[f64], angle: f64) -> Vec<Box<dyn ContactKernel>> {
         let below = Surface::in_space(FACETS.iter().map(|facet| &facet[..]));
         let (point, axis) = ([0.9, 1.1, 0.15], [0.1, 1.0, 0.05]);
@@ -389,7 +390,7 @@ mod tests {
             }
         }
 
-        /// Slip is relative to the obstacle's motion: zero if all nodes move with it.
+        /// Slip is measured relative to the obstacle's motion: zero if all nodes move with the obstacle.
         #[test]
         fn what_an_obstacle_carries_along_does_not_slide((q_0, q_1) in steps()) {
             let against: Vec<f64> = difference(&q_1, &q_0).iter().enumerate().map(|(k, d)| d - [0.1, -0.04, 0.02][k % 3]).collect();

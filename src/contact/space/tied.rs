@@ -20,8 +20,8 @@ use crate::contact::tie::{Tie, TiedPair};
 use crate::math::tolerances::TIE_OFFSET;
 
 impl Tie {
-    /// Ties points within `reach` `[length]` of each other in the reference positions; `inner` is a node inside of the body behind each
-    /// primary facet.
+    /// Ties points of both surfaces within `reach` `[length]` of each other in the reference positions; `inner`: a node inside of the body
+    /// behind each primary facet.
     pub fn in_space(secondary: Surface, primary: Surface, inner: &[u32], reference: &[f64], reach: f64) -> Self {
         let mut candidates = Candidates::new(0.0);
         candidates.update(&secondary, &primary, reference, reach);
@@ -110,7 +110,7 @@ mod tests {
                 .flat_map(|x| <[f64; 3]>::from(turn * (stretch * Vector3::from_row_slice(x)) + Vector3::new(3.0, -2.0, 1.0)))
                 .collect();
             assert!(largest(&tie.gap(&moved)) < 1e-15);
-            // A body that moves alone opens the gap by displacement times covered area.
+            // If the upper body alone moves by 0.1, the gap opens by displacement times covered area.
             let alone: Vec<f64> = q.iter().enumerate().map(|(k, x)| if k < 12 && k % 3 == 1 { x + 0.1 } else { *x }).collect();
             let covered: f64 = tie.sides().weights.iter().step_by(3).sum();
             let opened: f64 = tie.gap(&alone).iter().skip(1).step_by(3).sum();

@@ -8,7 +8,7 @@ use crate::math::simd::{Kernel, dispatch};
 /// Vector in space.
 pub type Vec3<T> = [T; 3];
 
-/// Number of unknowns per differentiation pass: half of those of two facets, all plane coordinates of two triangles.
+/// Number of unknowns per differentiation pass: half of those of two facets, or all plane coordinates of two triangles.
 pub const LANES: usize = 12;
 
 /// Number with its derivatives with respect to [`LANES`] unknowns.
@@ -40,7 +40,7 @@ pub fn cross<T: Copy, R: Number + Mul<T, Output = R>>(a: Vec3<R>, b: Vec3<T>) ->
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-/// Diagonals of a facet of four nodes, or two sides of a triangle; their cross product is along the normal.
+/// Diagonals of a facet of four nodes, or two sides of a triangle, whose cross product is along the normal.
 #[inline(always)]
 pub fn diagonals<T: Number>(nodes: &[Vec3<T>]) -> [Vec3<T>; 2] {
     if nodes.len() == 3 { [sub(nodes[1], nodes[0]), sub(nodes[2], nodes[0])] } else { [sub(nodes[2], nodes[0]), sub(nodes[3], nodes[1])] }
@@ -50,13 +50,14 @@ pub fn diagonals<T: Number>(nodes: &[Vec3<T>]) -> [Vec3<T>; 2] {
 pub struct Frame<T> {
     /// Unit vectors.
     pub axes: [Vec3<T>; 3],
-    /// Diagonals, or two sides of a triangle, and length of their cross product.
+    /// Diagonals of a quadrilateral, or two sides of a triangle `[length]`.
     pub diagonals: [Vec3<T>; 2],
+    /// Length of the cross product of `diagonals`, twice the facet's area `[length^2]`.
     pub length: T,
 }
 
 impl<T: Number> Frame<T> {
-    /// Frame of a facet with these nodes; `None` for a facet without area.
+    /// Frame of a facet with the given nodes; `None` for a facet without area.
     #[inline(always)]
     pub fn new(x: &[Vec3<T>]) -> Option<Self> {
         let diagonals = diagonals(x);
@@ -74,7 +75,7 @@ impl<T: Number> Frame<T> {
     }
 }
 
-/// Unknowns `z`, three per node, as numbers with derivatives with respect to [`LANES`] of them, from `first` on.
+/// Unknowns `z`, three per node, as numbers that carry derivatives with respect to [`LANES`] of the unknowns, from `first` on.
 #[inline(always)]
 pub fn jets(z: &[f64], first: usize) -> Vec<Vec3<Jet>> {
     let jet = |k: usize| Jet::unknown(z[k], k.checked_sub(first));

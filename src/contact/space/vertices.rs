@@ -5,7 +5,8 @@ use std::ops::Mul;
 use super::vectors::sub;
 use crate::contact::numbers::Number;
 
-/// Corner of a polygon, shape functions of both triangles there, and twice the area of the triangle to the next and the first corner.
+/// Corner of a polygon: plane coordinates `p`, shape functions of both triangles there, border on which the following edge lies, and `fan`:
+/// twice the area of the triangle of this, the next and the first corner.
 #[derive(Clone, Copy)]
 pub struct Vertex<T> {
     pub p: [T; 2],
@@ -15,7 +16,7 @@ pub struct Vertex<T> {
     pub fan: T,
 }
 
-/// Triangle on whose border an edge of a polygon lies.
+/// Triangle on whose border a polygon edge lies.
 #[derive(Clone, Copy, PartialEq)]
 pub enum PolygonBorder {
     Secondary,
@@ -25,7 +26,7 @@ pub enum PolygonBorder {
 /// Values at the corners of both triangles, secondary first.
 pub type PerTriangle<T> = [[T; 3]; 2];
 
-/// Derivatives with respect to plane coordinates and heights of the corners.
+/// Derivatives of a function with respect to plane coordinates and heights of the corners of both triangles.
 pub struct Forces<R> {
     pub of_p: PerTriangle<[R; 2]>,
     pub of_h: PerTriangle<R>,

@@ -35,7 +35,7 @@ pub trait TimeFunction: Send + Sync {
     fn describe(&self) -> String;
 }
 
-/// A shared time function.
+/// Time function that several definitions may share.
 pub type Amplitude = Arc<dyn TimeFunction>;
 
 /// Constant time function.
@@ -49,7 +49,7 @@ pub struct Hat {
     pub start: f64,
     /// First time of zero value after the fall `[time]`.
     pub end: f64,
-    /// Largest value.
+    /// Value in the middle, at `(start + end) / 2`.
     pub peak: f64,
 }
 
@@ -60,14 +60,14 @@ pub struct Ramp {
     pub start: f64,
     /// First time of constant value `[time]`.
     pub end: f64,
-    /// Final value.
+    /// Value from `end` on.
     pub value: f64,
 }
 
 /// `amplitude * sin(2 pi frequency t)`.
 #[derive(Clone, Copy, Debug)]
 pub struct Sine {
-    /// Largest value.
+    /// Amplitude of the oscillation.
     pub amplitude: f64,
     /// Cycles per time `[1/time]`.
     pub frequency: f64,

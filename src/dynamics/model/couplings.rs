@@ -59,12 +59,12 @@ pub struct Sector {
     pub center: [f64; 3],
     /// Unit vector of the axis.
     pub axis: [f64; 3],
-    /// The angle `[rad]`.
+    /// Angle of the rotation `[rad]`.
     pub angle: f64,
 }
 
 impl Sector {
-    /// The rotation.
+    /// Linear part of the rotation, about the direction of the axis.
     pub fn rotation(&self) -> Rotation3<f64> {
         Rotation3::from_axis_angle(&Unit::new_unchecked(Vector3::from(self.axis)), self.angle)
     }

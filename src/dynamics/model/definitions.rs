@@ -106,7 +106,7 @@ pub struct Model {
     pub name: String,
     /// Bodies in the order of their definition.
     pub bodies: Vec<BodyDefinition>,
-    /// Supports.
+    /// Fixed displacement components of boundaries.
     pub supports: Vec<Support>,
     /// Prescribed displacements.
     pub prescriptions: Vec<Prescription>,
@@ -114,7 +114,7 @@ pub struct Model {
     pub gravity: [f64; 3],
     /// Factor of gravity over time; `None`: constant. Time-dependent gravity has no potential; its work is that of a load.
     pub gravity_amplitude: Option<Amplitude>,
-    /// Loads.
+    /// Loads on boundaries.
     pub loads: Vec<Load>,
     /// Interactions: contacts, obstacles and ties, in the order in which a simulation counts contacts.
     pub interactions: Vec<Interaction>,
@@ -179,7 +179,7 @@ impl Model {
         });
         let lacking = match &interaction.partner {
             Partner::Tied { .. } => None,
-            // Face centers without nodes have no tangents of their own.
+            // 8-node faces have no node at their center, hence no tangents for the friction there.
             _ if interaction.friction.is_some() && without_middles.is_some() => {
                 without_middles.map(|cells| format!("friction on a secondary side of `{cells}`"))
             }

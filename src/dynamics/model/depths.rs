@@ -112,7 +112,7 @@ impl Depths {
         let mut found: Vec<Depth> = Vec::new();
         for meeting in &self.meetings {
             let deepest = |own: Option<usize>, points: Vec<Point>, side: &Side| {
-                // A node is always beside the hull of its own body.
+                // Nodes of this body lie on its hull and have zero distance from it.
                 let asks_for_room = own != Some(side.body);
                 self.deepest(points, side, q, asks_for_room, meeting.contact, counts)
             };
@@ -140,7 +140,8 @@ impl Depths {
         found
     }
 
-    /// Deepest of several points inside the body of a side, among depths accepted by `counts`; with `asks_for_room` only clearly inside.
+    /// Deepest of several points inside the body of a side, among depths accepted by `counts`; with `asks_for_room` only points farther
+    /// from the hull than the fraction `DEPTH` of a facet.
     fn deepest(
         &self,
         points: Vec<Point>,

@@ -20,7 +20,7 @@ pub enum ModelError {
     DuplicateName {
         /// Kind of the objects.
         what: &'static str,
-        /// The name.
+        /// Name of both objects.
         name: String,
     },
     /// No initial size for adaptive steps: it cannot be derived from rigid bodies.
@@ -69,7 +69,7 @@ pub enum ModelError {
         joint: String,
         /// Reference position of the first point `[length]`.
         place: [f64; 3],
-        /// Distance `[length]`.
+        /// Distance between both points `[length]`.
         distance: f64,
     },
     /// Bodies of different dimension.
@@ -89,7 +89,7 @@ pub enum ModelError {
     UnknownBoundary {
         /// Name of the body.
         body: String,
-        /// The name.
+        /// Name of the missing boundary.
         boundary: String,
         /// Names of the body's boundaries.
         available: Vec<String>,
@@ -115,7 +115,7 @@ pub enum ModelError {
         steps: &'static str,
         /// Unsupported entity of the model.
         what: String,
-        /// Reason.
+        /// Reason why the entity is not supported.
         reason: &'static str,
         /// Suggested remedy.
         instead: &'static str,
@@ -211,7 +211,7 @@ pub enum ModelError {
     HeldAndMoved {
         /// Name of the boundary, `body.boundary`.
         boundary: String,
-        /// x, y or z.
+        /// Direction in which the boundary is fixed and moved: x, y or z.
         direction: &'static str,
     },
     /// Two contacts between equal surfaces, whose constraints are linearly dependent.
@@ -239,7 +239,7 @@ pub enum ModelError {
     NoShape {
         /// Name of the contact.
         contact: String,
-        /// Reason.
+        /// Reason why the contact cannot use the shape.
         reason: &'static str,
         /// Suggested remedy.
         remedy: &'static str,

@@ -36,7 +36,7 @@ pub enum OverriddenDefinition {
         held: String,
         /// `body.boundary` with the prescribed motion.
         moved: String,
-        /// x, y or z.
+        /// Direction of support and prescribed motion: x, y or z.
         direction: &'static str,
     },
 }

@@ -31,9 +31,9 @@ pub struct Hull {
 
 /// The hull of a body in the plane or in space.
 pub enum BodyHull {
-    /// A polygon.
+    /// Polygon of a body in the plane.
     Plane(Hull),
-    /// A polyhedron.
+    /// Polyhedron of a body in space.
     Space(Box<Solid>),
 }
 

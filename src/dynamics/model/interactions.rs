@@ -79,7 +79,7 @@ pub struct Interaction {
     pub secondary: BodyBoundary,
     /// Contact partner of the secondary side.
     pub partner: Partner,
-    /// Discretisation between two surfaces.
+    /// Contact method between two surfaces, such as mortar or node-to-segment.
     pub method: &'static ContactMethod,
     /// Geometry of the facets of both sides; `None`: default of the method ([`Interaction::facet_shape`]).
     pub facets: Option<FacetShape>,
@@ -151,7 +151,7 @@ impl Interaction {
         Interaction::new(name, secondary, Partner::Obstacle { shape, motion: [None, None, None], turn: None })
     }
 
-    /// A tie.
+    /// Tie of a boundary to another one: no relative motion.
     pub fn tie(name: &str, secondary: BodyBoundary, to: BodyBoundary) -> Self {
         Interaction::new(name, secondary, Partner::Tied { to, reach: None })
     }

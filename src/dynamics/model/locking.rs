@@ -12,7 +12,7 @@ use crate::materials::Kinematics;
 /// Body with volumetric locking.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Locking {
-    /// The body.
+    /// Name of the body.
     pub body: String,
     /// Material law.
     pub law: &'static str,

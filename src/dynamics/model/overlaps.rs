@@ -19,7 +19,7 @@ pub struct Overlap {
     pub kind: OverlapKind,
     /// Name of the interaction between the two objects; `None` without one.
     pub contact: Option<String>,
-    /// Penetration of a node, or distance of crossing hulls from all their nodes `[length]`.
+    /// True if end `end` needs directions that rotate with its body, which nodes of deformable bodies do not have.
     pub depth: f64,
     /// Penetration relative to the facet length.
     pub facets: f64,

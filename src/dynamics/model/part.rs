@@ -45,8 +45,8 @@ pub struct Iterate<'a> {
     pub u_1: &'a [f64],
     /// Positions at which loads act `[length]`.
     pub q_test: &'a [f64],
-    /// Velocities at which forces act `[length/time]`: depending on the algorithmic gradient the mean over the step or those at its end. At
-    /// rest zero, or those at the start for an evaluation there.
+    /// Velocities at which forces act `[length/time]`: the mean over the step, or the velocities at its end, depending on the algorithmic
+    /// gradient. In equilibrium iterations they are zero, or the velocities at the start if forces are evaluated without moving.
     pub velocity: &'a [f64],
     /// Derivative of each velocity component with respect to its component of `q_1` `[1/time]`; 0 for constant velocities.
     pub velocity_slope: f64,
@@ -176,14 +176,14 @@ pub struct PartStepResult {
 /// Dissipation of each part in a step `[energy]`, bodies first; empty where nothing dissipates.
 #[derive(Clone, Debug, Default)]
 pub struct PartDissipation {
-    /// Heat of all force elements.
+    /// Dissipation of each part `[energy]`.
     pub all: Vec<f64>,
-    /// The share of plastic flow.
+    /// Dissipation of each part by plastic flow `[energy]`.
     pub plastic: Vec<f64>,
 }
 
 impl PartDissipation {
-    /// Adds the heat of the next part.
+    /// Appends the dissipation of the next part.
     pub fn push(&mut self, remembered: &PartStepResult) {
         self.all.push(remembered.dissipated);
         self.plastic.push(remembered.plastic);
@@ -202,7 +202,7 @@ pub struct Numbering<'a> {
 
 /// Transformation of a whole model to another position and other units: [`PartDefinition::changed`].
 pub struct Change<'a> {
-    /// Map of points.
+    /// Map of a point to its position after the transformation, in the new units.
     pub point: &'a dyn Fn([f64; 3]) -> [f64; 3],
     /// Map of directions, without change of units.
     pub direction: &'a dyn Fn([f64; 3]) -> [f64; 3],

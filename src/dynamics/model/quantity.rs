@@ -16,7 +16,7 @@ impl Quantity {
         Quantity { name, dimension }
     }
 
-    /// A number.
+    /// Dimensionless quantity.
     pub const fn number(name: &'static str) -> Self {
         Quantity::new(name, "1")
     }

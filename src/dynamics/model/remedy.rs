@@ -13,7 +13,7 @@ pub enum Remedy {
     HoldAgainstLoads,
     /// Support every body against rigid motion, without redundant definitions.
     HoldOnce,
-    /// Use smaller increments or a similar easing; the text is appended and names additions or alternatives.
+    /// Use smaller increments; the text names additions or alternatives and is appended.
     Ease(SmallerIncrements, &'static str),
     /// Suggests to check the definitions, or to follow the path by arc length, which passes a limit point of the load.
     FollowPath,

@@ -29,7 +29,7 @@ pub enum StepError {
         time: f64,
         /// Time step size.
         dt: f64,
-        /// The angle `[rad]`.
+        /// Prescribed rotation in the step `[rad]`.
         angle: f64,
     },
     /// Equations of a coupling or a joint that contradict those of other couplings, joints or supports.

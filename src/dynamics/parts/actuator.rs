@@ -39,7 +39,7 @@ impl LineElement for ActuatorElement {
     }
 }
 
-/// An actuator in the numbering of the model.
+/// An actuator in global node numbers.
 struct Actuator {
     name: String,
     line: Line,

@@ -1,4 +1,4 @@
-//! A body, deformable or rigid, in the numbering of the model.
+//! A body, deformable or rigid, in global node numbers.
 
 use std::ops::Range;
 use std::sync::OnceLock;

@@ -96,7 +96,7 @@ impl PartDefinition for BodyForceDefinition {
     }
 }
 
-/// A force per mass in the numbering of the model.
+/// A force per mass in global node numbers.
 struct BodyForce {
     dimension: usize,
     name: String,
@@ -137,7 +137,7 @@ impl BodyForce {
 
 impl Part for BodyForce {
     fn for_each_coupling(&self, _visit: &mut dyn FnMut(&[u32])) {
-        // Nodes of a cell are coupled by their body.
+        // The body couples the nodes of each cell already.
     }
 
     fn place(&mut self, pattern: &Pattern) {

@@ -1,4 +1,4 @@
-//! Consistent mass of one body in the numbering of the model, for forces proportional to mass.
+//! Consistent mass of one body in global node numbers, for forces proportional to mass.
 
 use crate::bodies::{BodyCells, ElementLoop, Elements, Space};
 use crate::dynamics::model::definitions::BodyDefinition;

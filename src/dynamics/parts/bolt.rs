@@ -73,12 +73,12 @@ impl LineElement for BoltElement {
     }
 }
 
-/// A bolt in the numbering of the model. History variables: length of locking, tension of tightening, 1 if it is locked, work of
+/// A bolt in global node numbers. History variables: length of locking, tension of tightening, 1 if it is locked, work of
 /// tightening in the last step.
 struct Bolt {
     line: Line,
     law: BoltElement,
-    /// Length in the undeformed bodies.
+    /// Distance of both ends in the undeformed bodies `[length]`.
     at_rest: f64,
 }
 

@@ -194,9 +194,9 @@ impl Side {
     }
 }
 
-/// A bushing in the numbering of the model.
+/// A bushing in global node numbers.
 struct Bushing {
-    /// Displacements, sines of rotations, cosine.
+    /// Invariants: displacements `d`, rotations `sin phi n`, then `cos phi`, as functions of positions.
     invariants: PointConstraints,
     dimension: usize,
     stiffness: DMatrix<f64>,
@@ -210,7 +210,7 @@ struct Response {
     /// Forces on the unknowns and, on request, their derivative.
     force: DVector<f64>,
     slope: Option<DMatrix<f64>>,
-    /// Power dissipated by the damping.
+    /// Power dissipated by the damping `[energy/time]`.
     power: f64,
 }
 
@@ -219,7 +219,7 @@ impl Bushing {
         self.invariants.patches().nodes(0)
     }
 
-    /// Relative displacements and rotations by the invariants.
+    /// Generalized displacements `s` from the invariants `z`.
     fn motions(&self, z: &[f64]) -> DVector<f64> {
         let cosine = z[z.len() - 1];
         DVector::from_fn(z.len() - 1, |k, _| if k < self.dimension { z[k] } else { (4.0 - cosine) / 3.0 * z[k] })
@@ -269,10 +269,11 @@ impl Bushing {
             return Response { force, slope: None, power };
         }
         let hessian = |weights: &[f64]| DMatrix::from_row_slice(count, count, &evaluated(weights).tangent);
-        // Derivatives of the invariants at which shares and motions are evaluated.
+        // Derivatives of the invariants at the configuration at which `s` and its derivative `ds/dz` are evaluated, with respect to `q_1`.
         let changes = DMatrix::from_row_slice(rows, count, &plain.gradient_end) * share;
         let last = rows - 1;
-        // Derivatives of the shares, applied to a vector over the invariants, and to one over the motions.
+        // Derivative of `(ds/dz) a` with respect to `q_1`, for a fixed vector `a` of one entry per invariant; `bent_back`: of `(ds/dz)^T
+        // b`.
         let bent = |vector: &DVector<f64>| {
             DMatrix::from_fn(last, count, |k, i| {
                 if k < self.dimension { 0.0 } else { -(changes[(last, i)] * vector[k] + changes[(k, i)] * vector[last]) / 3.0 }

@@ -1,4 +1,4 @@
-//! Rigid body in the numbering of the model: its masters, and its other nodes, whose motion follows from them.
+//! Rigid body in global node numbers: its masters, and its other nodes, whose motion follows from them.
 
 use crate::bodies::Frame;
 use crate::math::norms::largest_extent;
@@ -7,13 +7,13 @@ use crate::math::norms::largest_extent;
 pub struct RigidBody {
     /// Frame of the masters, in which all points of the body are fixed.
     pub frame: Frame,
-    /// All nodes of the body in the numbering of the model; they move together.
+    /// All nodes of the body in global node numbers; they move together.
     pub nodes: Vec<u32>,
     /// Nodes other than masters, with the weights of the masters.
     pub carried: Vec<(u32, Vec<f64>)>,
     /// Followers: carried nodes that are not unknowns, by their index in `carried`.
     pub followers: Vec<usize>,
-    /// Masters in the numbering of the model.
+    /// Masters in global node numbers.
     pub masters: Vec<u32>,
     /// Size of the body `[length]`.
     pub size: f64,

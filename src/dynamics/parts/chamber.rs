@@ -216,7 +216,7 @@ impl PartDefinition for ChamberDefinition {
     }
 }
 
-/// A chamber in the numbering of the model.
+/// A chamber in global node numbers.
 struct Chamber {
     dimension: usize,
     is_round: bool,

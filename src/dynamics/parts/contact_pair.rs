@@ -1,4 +1,4 @@
-//! A contact pair in the numbering of the model: its constraints, its places in the matrix, its enforcement.
+//! A contact pair in global node numbers: its constraints, its places in the matrix, its enforcement.
 //!
 //! Pairs are two surfaces, a surface and a rigid obstacle, ties, and the corners that the weighted gaps of another pair do not resolve. The
 //! values of a pair at an iterate are in an [`Evaluation`], which belongs to the iterate and not to the pair.
@@ -132,7 +132,7 @@ struct Places {
 
 /// Normal or tangential constraints of a pair at an iterate.
 pub struct RowBlock<'a> {
-    /// The pair.
+    /// Contact pair of the block.
     pub pair: &'a ContactPair,
     /// Range of the block's constraints among all constraints.
     pub rows: Range<usize>,

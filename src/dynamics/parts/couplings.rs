@@ -1,4 +1,4 @@
-//! Equations between nodes of boundaries in the numbering of the model: planes of symmetry, periodic pairs, reference bodies.
+//! Equations between nodes of boundaries in global node numbers: planes of symmetry, periodic pairs, reference bodies.
 //!
 //! Each equation is `sum_k d_k . x_k = c + s(t)` with constant directions `d_k`. Linear functions are their own discrete gradients: energy
 //! is exact. Forces of a plane are external. Forces of a periodic pair have zero resultant (unless it includes a rotation) and a moment,

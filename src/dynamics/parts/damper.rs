@@ -41,7 +41,7 @@ impl LineElement for DamperElement {
     }
 }
 
-/// A damper in the numbering of the model.
+/// A damper in global node numbers.
 struct Damper {
     line: Line,
     law: Viscous,

@@ -82,7 +82,7 @@ impl PartDefinition for DragDefinition {
     }
 }
 
-/// Drag on nodes in the numbering of the model.
+/// Drag on nodes in global node numbers.
 struct NodeDrag {
     dimension: usize,
     nodes: Vec<(u32, f64)>,
@@ -146,7 +146,7 @@ impl Part for NodeDrag {
     }
 }
 
-/// Drag on the mass of a body in the numbering of the model.
+/// Drag on the mass of a body in global node numbers.
 struct MassDrag {
     dimension: usize,
     mass: BodyMass,
@@ -155,7 +155,7 @@ struct MassDrag {
 
 impl Part for MassDrag {
     fn for_each_coupling(&self, _visit: &mut dyn FnMut(&[u32])) {
-        // Nodes of a cell are coupled by their body.
+        // The body couples the nodes of each cell already.
     }
 
     fn place(&mut self, pattern: &Pattern) {

@@ -30,11 +30,11 @@ pub enum Elastic {
 /// Elongations at which a spring acts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sides {
-    /// All elongations.
+    /// Force at all elongations.
     Both,
-    /// Positive elongations: a cable, a belt.
+    /// Force at positive elongations only: a cable, a belt.
     Tension,
-    /// Negative elongations: a stop.
+    /// Force at negative elongations only: a stop.
     Compression,
 }
 

@@ -20,7 +20,7 @@ use crate::contact::{CoordinateKind, DrivenFunction, Geared, PointConstraints, P
 use crate::dynamics::model::definitions::Model;
 use crate::dynamics::model::joints::{Coordinate, JointDefinition, JointFriction, JointKind};
 
-/// Free coordinate of a joint in the numbering of the model.
+/// Free coordinate of a joint in global node numbers.
 pub struct FreeMotion {
     dimension: usize,
     coordinate: Coordinate,
@@ -139,7 +139,7 @@ pub fn geared(coupled: &[FreeMotion], ratio: f64, size: f64) -> Geared {
         }
         coordinates.push((kind, factor));
     }
-    // The coordinate with the larger coefficient moves by its own length.
+    // Scaled so that the coordinate with the larger coefficient has the coefficient 1 as a length.
     let arm = |(kind, factor): &(CoordinateKind, f64)| factor.abs() / if *kind == CoordinateKind::Angle { size } else { 1.0 };
     let largest = coordinates.iter().map(arm).fold(0.0, f64::max);
     coordinates.iter_mut().for_each(|(_, factor)| *factor /= largest);

@@ -119,7 +119,7 @@ pub struct NormalState<'a> {
     pub normal: f64,
     /// Derivative of `normal` with respect to the multiplier: 1, or -1 where a bilateral contact pulls.
     pub sense: f64,
-    /// Slip rate per slip.
+    /// Slip rate per slip: `1/dt`, over the weight of the constraint.
     pub speed: f64,
     /// Multiplier per stress: 1, or a circumference in axisymmetric models.
     pub around: f64,
@@ -140,7 +140,7 @@ impl NormalState<'_> {
     pub fn limit(&self, slip: f64) -> Limit {
         let (pressure, speed) = (self.normal.max(0.0) / self.around, slip * self.speed);
         let limit = self.law.limit(SlipState { coefficient: self.coefficient, pressure, speed });
-        // Beyond the film's bearing limit, the film stress acts like dry friction.
+        // Beyond the bearing limit of the lubricant film its shear stress is proportional to the pressure, like dry friction.
         let film = if self.is_film_at(slip) { 0.0 } else { ROUGH };
         Limit {
             shear: limit.shear * self.around + film * self.normal.max(0.0),
@@ -149,7 +149,7 @@ impl NormalState<'_> {
         }
     }
 
-    /// Film multiplier per slip of this size; 0 beyond the bearing limit.
+    /// Multiplier of the lubricant film (viscous friction) per slip of this size; 0 beyond the bearing limit of the film.
     pub fn film(&self, slip: f64) -> f64 {
         if self.is_film_at(slip) { self.law.film() * self.around * self.speed } else { 0.0 }
     }
@@ -195,7 +195,7 @@ impl SlipRow<'_> {
         self.pressed.film(self.slip.abs())
     }
 
-    /// Multiplier of dry friction, without the film's contribution.
+    /// Multiplier of dry friction: the tangential multiplier without the part of the lubricant film.
     fn dry(&self) -> f64 {
         self.lambda + self.film() * self.slip
     }

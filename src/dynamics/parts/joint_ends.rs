@@ -1,4 +1,4 @@
-//! One end of a joint in the numbering of the model: its point, and directions that rotate with its body.
+//! One end of a joint in global node numbers: its point, and directions that rotate with its body.
 
 use super::body::Body;
 use crate::contact::PointVector;
@@ -11,7 +11,7 @@ pub fn node_vector(node: u32) -> PointVector {
     PointVector { parts: vec![(node, 1.0)], offset: [0.0; 3] }
 }
 
-/// One end of a joint in the numbering of the model.
+/// One end of a joint in global node numbers.
 pub struct End<'a, const D: usize> {
     model: &'a Model,
     body: Option<&'a Body<D>>,

@@ -159,7 +159,7 @@ impl<E: LineElement> PartDefinition for LineDefinition<E> {
     }
 }
 
-/// Line in the numbering of the model, from its first to its second end.
+/// Line in global node numbers, from its first to its second end.
 pub struct Line {
     dimension: usize,
     /// Nodes with their coefficients in `r`.

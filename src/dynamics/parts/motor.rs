@@ -86,7 +86,7 @@ impl PartDefinition for MotorDefinition {
     }
 }
 
-/// A motor in the numbering of the model.
+/// A motor in global node numbers.
 struct Motor {
     name: String,
     dimension: usize,

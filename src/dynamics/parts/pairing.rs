@@ -48,7 +48,7 @@ pub fn contact_pairs(
     let (mut first, mut joint) = (0, 0);
     for pair in &mut pairs {
         pair.rows = first..first + pair.rows.end;
-        // The friction of a joint follows the joint.
+        // The tangential constraint of a joint refers to the constraints of the joint before it.
         pair.reaction.iter_mut().for_each(|reaction| reaction.rows = joint..joint + reaction.rows.len());
         (joint, first) = (first, pair.rows.end);
     }
@@ -59,8 +59,8 @@ pub fn contact_pairs(
     pairs
 }
 
-/// Slack of sharp vertices and edges in space relative to that of corners in the plane: from a thousandth of a facet on, constraints of
-/// flat surfaces and of their borders are no longer linearly dependent.
+/// Admitted overlap ([`CornersOf::slack`]) of sharp vertices and edges in space, relative to that of corners in the plane: from a
+/// thousandth of a facet on, constraints of flat surfaces and of their borders are no longer linearly dependent.
 const SLACK_IN_SPACE: f64 = 0.05;
 
 /// Data from which contact pairs are made.
@@ -68,9 +68,9 @@ struct Pairing<'a> {
     model: &'a Model,
     /// First node of each body.
     first: &'a dyn Fn(usize) -> usize,
-    /// Facets of a boundary in the numbering of the model.
+    /// Facets of a boundary in global node numbers.
     facets: &'a dyn Fn(&BodyBoundary) -> Vec<[u32; 2]>,
-    /// Faces of a boundary in space, in the numbering of the model.
+    /// Faces of a boundary in space, in global node numbers.
     faces: &'a dyn Fn(&BodyBoundary) -> Vec<Vec<u32>>,
     /// Mid-side nodes of edges of second order.
     middles: &'a ProxyNodes,
@@ -106,7 +106,7 @@ impl Pairing<'_> {
         self.model.interactions.iter().map(|interaction| self.pair_of(interaction)).collect()
     }
 
-    /// Contact representation of the surfaces of a contact in space; obstacles have none.
+    /// Surfaces of a contact in space with sub-facet points between their nodes; the primary surface of an obstacle is empty.
     fn in_space(&self, interaction: &Interaction) -> ProxySurfacesInSpace<'_> {
         let faces = [std::slice::from_ref(&interaction.secondary), interaction.primary()].map(|side| facets_of_all(side, self.faces));
         let exact = exact_shapes(interaction);
@@ -155,7 +155,7 @@ impl Pairing<'_> {
             }
             Partner::Obstacle { shape, motion, turn } => {
                 let kernel = RigidContact::new(&facets, shape, self.reference).without(&self.nodes_inside(interaction));
-                // Obstacles constrain the nodes themselves.
+                // Constraints of obstacles belong to the nodes of the surface itself, not to a proxy surface.
                 let kernel = match self.middles.lengths(&facets, self.reference) {
                     Some(lengths) => kernel.with_weights(lengths),
                     None => kernel,

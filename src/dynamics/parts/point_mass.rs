@@ -50,7 +50,7 @@ impl PartDefinition for PointMassDefinition {
     }
 }
 
-/// A mass in the numbering of the model.
+/// A mass in global node numbers.
 struct PointMass {
     node: u32,
     mass: f64,

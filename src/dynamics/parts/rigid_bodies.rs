@@ -1,4 +1,4 @@
-//! Rigid bodies and joints in the numbering of the model: carried nodes, and constraints between points.
+//! Rigid bodies and joints in global node numbers: carried nodes, and constraints between points.
 //!
 //! All mesh nodes of a rigid body are numbered, so that boundaries, loads, contacts, probes and pictures refer to them as to others. Its
 //! *masters* have its mass; the distances between them are constant. Nodes with loads, contacts, supports or springs are unknowns with a
@@ -160,13 +160,13 @@ fn ties<const D: usize>(rigid: &RigidBody) -> PointConstraints {
     kernel
 }
 
-/// Components of the first vector.
+/// Constraint functions: the components of the first vector of a group.
 fn components(dimension: usize) -> Vec<PointFunction> {
     let along = |i: usize| std::array::from_fn(|k| if k == i { 1.0 } else { 0.0 });
     (0..dimension).map(|i| PointFunction { linear: vec![(0, along(i))], ..PointFunction::default() }).collect()
 }
 
-/// Product of two vectors, given by their indices, with the factor `by`.
+/// Constraint function: product of two vectors of a group, given by their indices, minus `by`.
 fn product(a: usize, b: usize, by: f64) -> PointFunction {
     PointFunction { products: vec![(a, b, by)], ..PointFunction::default() }
 }

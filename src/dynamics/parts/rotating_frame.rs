@@ -101,10 +101,10 @@ impl PartDefinition for RotatingFrameDefinition {
     }
 }
 
-/// A matrix between vectors.
+/// Matrix with 3 x 3 entries.
 type Matrix = [[f64; 3]; 3];
 
-/// Rotating frame in the numbering of the model.
+/// Rotating frame in global node numbers.
 struct RotatingFrame {
     dimension: usize,
     center: [f64; 3],
@@ -150,7 +150,7 @@ fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
 
 impl Part for RotatingFrame {
     fn for_each_coupling(&self, _visit: &mut dyn FnMut(&[u32])) {
-        // Nodes that share a mass are coupled by their body.
+        // The body couples nodes with a common mass already.
     }
 
     fn weigh(&mut self, mass: &NodeMatrix) {

@@ -78,7 +78,7 @@ impl<const N: usize> SlipVector<'_, N> {
         self.pressed.film(size(self.slip))
     }
 
-    /// Multiplier of dry friction, without the film's contribution.
+    /// Multiplier of dry friction: the tangential multiplier without the part of the lubricant film.
     fn dry(&self) -> [f64; N] {
         plus(self.lambda, self.film(), self.slip)
     }
@@ -137,7 +137,7 @@ impl<const N: usize> SlipVector<'_, N> {
         trial > 0.0 && trial >= tolerances::UNDIRECTED * self.limit(self.slip).shear
     }
 
-    /// Whole multiplier as a slip, and its energy.
+    /// Residual at an uncovered node: its multiplier divided by `c`, a slip, and the energy of that slip.
     pub fn excess(&self) -> (f64, f64) {
         (size(self.lambda) / self.pressed.c, dot(self.lambda, self.slip))
     }
@@ -299,7 +299,7 @@ mod tests {
             let Map { along, across, .. } = at.map(c, state, at.pressed.limit((-dot(e, slip)).max(0.0)).shear);
             let [along, across] = [along, across].map(|n| 1.0 / (n * c + (1.0 - n) * at.pressed.stiffness));
             let scaled = |off: Pair| plus(off.map(|x| across * x), (along - across) * dot(off, e), e);
-            // Speed opposite to the trial, as in the equation; for a slip exactly opposite to it both are equal.
+            // Friction limit at the speed opposite to the trial, as in the equation.
             let missed = |normal: f64, lambda: Pair, slip: Pair| {
                 let at = rows(&law, normal, lambda, slip, [r, 0.0]);
                 let speed = (-dot(direction(at.trial(c)), slip)).max(0.0);

@@ -53,7 +53,7 @@ impl LineElement for SpringElement {
     }
 }
 
-/// A spring in the numbering of the model.
+/// A spring in global node numbers.
 struct Spring {
     line: Line,
     law: SpringLaw,
@@ -215,7 +215,7 @@ mod tests {
                         let (up, down) = (moved(1e-6), moved(-1e-6));
                         for row in 0..count {
                             let slope = (up[row] - down[row]) / 2e-6;
-                            // Truncation 1e-12, round-off 1e-10.
+                            // Errors of the difference quotient: truncation 1e-12, round-off 1e-10.
                             assert!((slope - tangent[row * count + column]).abs() < 1e-8, "{derivative:?} [{row}][{column}]");
                         }
                     }

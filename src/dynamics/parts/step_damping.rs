@@ -13,7 +13,7 @@ use crate::integrators::Derivative;
 use crate::linear::Pattern;
 use crate::materials::Viscosity;
 
-/// The dissipation of a deformable body in the numbering of the model.
+/// The dissipation of a deformable body in global node numbers.
 pub struct StepDamping<const D: usize> {
     /// Element loop with the isotropic moduli of the body as viscosities.
     elements: Box<dyn ElementLoop<D>>,

@@ -81,7 +81,7 @@ impl PartDefinition for TorsionDefinition {
     }
 }
 
-/// A torsional spring in the numbering of the model.
+/// A torsional spring in global node numbers.
 struct Torsion {
     /// Two nodes of each direction.
     nodes: Vec<u32>,

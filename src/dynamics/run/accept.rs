@@ -24,14 +24,14 @@ use crate::integrators::History;
 
 /// External forces and their work in a step.
 struct Outside {
-    /// Loads.
+    /// Loads on the nodes `[force]`.
     load: Vec<f64>,
     /// Forces of rigid obstacles and of the ground, and the work of moving obstacles.
     obstacles: Vec<f64>,
     obstacle_work: f64,
     /// Part of the obstacle work that the drive of each joint does.
     drive_works: Vec<f64>,
-    /// Work of moving supports, and their angular momentum in addition to that of the reactions.
+    /// Work of moving supports. `slip_moment`: their angular momentum in addition to that of the reactions.
     prescribed_work: f64,
     slip_moment: [f64; 3],
     /// Contribution of this step's loads and of its obstacle forces to the force history of a scheme that keeps one.
@@ -334,7 +334,7 @@ where
             true => lagging * closing(&|_| true),
             false => lagging * closing(&|pair| !pair.forces_stay_in_step()) + alone * closing(&ContactPair::forces_stay_in_step),
         };
-        // A potential of other pairs than at the end of the step before is a different potential.
+        // If facet pairs have entered or left since the previous step, the penalty energy at the start differs from the stored one.
         let found = if system.pairs.iter().any(|pair| !pair.penalties.is_empty()) && !conditions.end_point {
             system.nodes.potential_energy(start.q_0)
                 + system.penalty_energy(&conditions.gap_n)

@@ -34,7 +34,7 @@ const SWING: f64 = 0.5;
 /// Number of rigid motions in space; in the plane there are three.
 const MOTIONS: usize = 6;
 
-/// The components of a model.
+/// Connected components of a model.
 pub struct Balance {
     pub components: Vec<Component>,
 }
@@ -296,7 +296,7 @@ impl Balance {
                 }
             }
             if pair.kind == PairKind::Obstacle {
-                // Weighted by the area of the nodes.
+                // Gaps are integrated over the area of a node: division by this area gives distances.
                 let distances = pair.kernel.gap(q).into_iter().zip(pair.kernel.weights()).map(|(gap, weight)| gap / weight);
                 // The first constraint of a node measures the distance from the whole obstacle.
                 let distances = distances.step_by(pair.kernel.rows_per_node());

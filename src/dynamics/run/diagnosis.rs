@@ -21,7 +21,7 @@ const CYCLE: usize = 6;
 const FAST_LOAD: f64 = 0.5;
 /// Growth of the residual above its minimum that counts as divergence.
 const GROWTH: f64 = 1e3;
-/// Data of a failed step.
+/// Data of a failed step from which its cause is determined.
 pub struct Evidence<'a, const D: usize> {
     pub model: &'a Model,
     pub system: &'a System<D>,

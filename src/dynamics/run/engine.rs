@@ -156,7 +156,7 @@ where
 /// Size of the first step; `None` if it depends on `sound`, the time of an elastic wave through a cell, and that time is unknown.
 fn first_step(options: &Options, sound: Option<f64>) -> Option<f64> {
     match options.control {
-        // A fraction of the wave's time, by the root of the tolerance.
+        // Time in which an elastic wave crosses a cell, times the square root of the tolerance.
         Some(control) if options.dt == 0.0 => sound.map(|time| control.tolerance.sqrt() * time),
         _ => Some(options.dt),
     }

@@ -18,7 +18,7 @@ use crate::dynamics::step::start::{StepKind, StepStart};
 struct Balanced {
     /// Loads, and reactions of moving supports.
     outside: Vec<f64>,
-    /// Contacts of all kinds, ties and joints.
+    /// Contact forces, including those of ties and joints.
     contact: Vec<f64>,
     /// Contact forces between bodies.
     between: Vec<f64>,

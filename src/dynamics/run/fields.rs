@@ -250,7 +250,7 @@ pub struct ContactFields {
     pub force: [f64; 3],
     /// Sum of the magnitudes of the normal nodal forces `[force]`.
     pub normal_force: f64,
-    /// Length of the secondary surface in contact `[length]`.
+    /// Contact area of the secondary surface: a length in the plane, an area in space and around an axis.
     pub area: f64,
     /// Number of secondary nodes that slip.
     pub sliding: usize,

@@ -16,7 +16,8 @@ use crate::dynamics::step::vibrations::{VibrationState, Vibrations};
 use crate::linear::{Lanczos, LinearError, Ritz, product};
 use crate::math::tolerances;
 
-/// Growth of a shift that is above an eigenvalue, and its largest number of growths: instabilities are as stiff as the stiffest cells.
+/// Factor of a negative shift above an eigenvalue, and largest number of factors: unstable modes are at most as stiff as the stiffest
+/// cells.
 const LOWER: f64 = 10.0;
 const MOST_SHIFTS: usize = 25;
 

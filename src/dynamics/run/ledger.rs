@@ -85,7 +85,7 @@ pub struct LedgerRow {
     pub probes: Vec<ProbeValues>,
 }
 
-/// Columns of the ledger in space, in the order of the file.
+/// Columns of the ledger for models in space, in the order of `history.csv`.
 const COLUMNS: [Quantity; 27] = [
     Quantity::number("step"),
     Quantity::new("time", "time"),
@@ -130,9 +130,9 @@ pub struct ContactTotals {
     pub active: usize,
     /// Resultant of the contact forces on the secondary side, friction included `[force]`.
     pub force: [f64; 3],
-    /// Sum of the sizes of the nodal contact forces that press `[force]`.
+    /// Sum of the magnitudes of the normal nodal forces `[force]`.
     pub normal_force: f64,
-    /// Length of the secondary surface in contact `[length]`.
+    /// Contact area of the secondary surface: a length in the plane, an area in space and around an axis.
     pub area: f64,
     /// Largest pressure at a secondary node `[stress]`.
     pub pressure: f64,
@@ -177,7 +177,7 @@ pub struct PartTotals {
 }
 
 impl PartTotals {
-    /// Columns of a part.
+    /// History columns of a force element.
     pub fn columns(part: &dyn PartDefinition) -> impl Iterator<Item = Quantity> {
         part.readings().iter().copied().chain(part.dissipates().then_some(Quantity::new("dissipation", "energy")))
     }
@@ -284,7 +284,7 @@ pub(super) fn heat(dissipated: &[f64], own: &[PartTotals], numerical: f64) -> [f
 }
 
 impl LedgerRow {
-    /// Size of the lists of a row in bytes.
+    /// Heap memory of the row's lists `[bytes]`.
     pub(super) fn heap_size(&self) -> usize {
         let readings = self.parts.iter().map(|part| size_of_val(&part.readings[..])).sum::<usize>();
         let lists = size_of_val(&self.contacts[..]) + size_of_val(&self.reactions[..]) + size_of_val(&self.joints[..]);
@@ -295,7 +295,7 @@ impl LedgerRow {
     pub(super) fn book_plastic<const D: usize>(&mut self, bodies: &[Body<D>], before: &LedgerRow, plastic: &[f64]) {
         let flowing = bodies.iter().enumerate().filter(|(_, body)| body.elements.flows());
         let heat: Vec<f64> = flowing.map(|(index, _)| plastic.get(index).copied().unwrap_or(0.0)).collect();
-        self.plastic = heat.iter().sum::<f64>() + 0.0; // no zero with a sign
+        self.plastic = heat.iter().sum::<f64>() + 0.0; // `+ 0.0` turns -0.0 into 0.0.
         self.plastic_work = before.plastic_work.clone();
         self.plastic_work.resize(heat.len(), 0.0);
         self.plastic_work.iter_mut().zip(heat).for_each(|(sum, heat)| *sum += heat);
@@ -303,13 +303,13 @@ impl LedgerRow {
 
     /// Books the work of friction in each contact, and in the joints.
     pub(super) fn book_friction(&mut self, contacts: &[f64]) {
-        self.joint_friction = self.joints.iter().map(|joint| joint.friction_work).sum::<f64>() + 0.0; // no zero with a sign
+        self.joint_friction = self.joints.iter().map(|joint| joint.friction_work).sum::<f64>() + 0.0; // `+ 0.0` turns -0.0 into 0.0.
         self.friction_work = contacts.iter().sum::<f64>() + self.joint_friction;
     }
 
     /// Adds the heat of plastic flow since the row `before` as the dissipation of one step at rest.
     pub(super) fn book_flow_at_rest(&mut self, before: &LedgerRow) {
-        let total = |row: &LedgerRow| row.plastic_work.iter().sum::<f64>() + 0.0; // no zero with a sign
+        let total = |row: &LedgerRow| row.plastic_work.iter().sum::<f64>() + 0.0; // `+ 0.0` turns -0.0 into 0.0.
         self.plastic = total(self) - total(before);
         self.dissipation = self.plastic;
     }

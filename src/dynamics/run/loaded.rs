@@ -42,7 +42,8 @@ impl Loaded<'_> {
         self.visit::<D>(lambda, self.pressing(), &self.evaluation.gradient_end, false, visit);
     }
 
-    /// Visits forces like [`Self::for_each_force`]; forces of constraints between nodes are assigned to the node where output shows them.
+    /// Visits forces like [`Self::for_each_force`]; the force of a constraint of a facet or an edge is assigned to the node at which output
+    /// shows it.
     pub(super) fn for_each_shown_force<const D: usize>(&self, lambda: &[f64], visit: impl FnMut(u32, bool, f64, [f64; 3])) {
         self.visit::<D>(lambda, self.pressing(), &self.evaluation.gradient_end, true, visit);
     }
@@ -52,7 +53,8 @@ impl Loaded<'_> {
         self.pulls::<D>(lambda, false, visit);
     }
 
-    /// Visits forces like `for_each_pull`; the whole force of a constraint between nodes is assigned to the node where output shows it.
+    /// Visits forces like `for_each_pull`; the force of a constraint of a facet or an edge is assigned to the node at which output shows
+    /// it.
     pub(super) fn for_each_shown_pull<const D: usize>(&self, lambda: &[f64], visit: impl FnMut(u32, bool, f64, [f64; 3])) {
         self.pulls::<D>(lambda, true, visit);
     }

@@ -53,7 +53,8 @@ impl NodeField {
         matches!(self.value, NodeValue::Point(field) if field.is_local)
     }
 
-    /// True if the field has a size of its own; false of places, of directions, and of the gap, which most nodes do not have.
+    /// True if magnitudes of the field can be compared over a body; false for positions, directions, and the gap, which is undefined at
+    /// most nodes.
     pub fn has_size(&self) -> bool {
         let is_direction = matches!(self.value, NodeValue::Point(PointField { value: PointValue::Vector(_), dimension: "1", .. }));
         !is_direction && !["position", "contact_gap"].contains(&self.name)

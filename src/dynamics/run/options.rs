@@ -20,7 +20,7 @@ pub struct Options {
     pub dt: f64,
     /// Step size control; `None`: constant nominal size.
     pub control: Option<StepControl>,
-    /// Newton's tolerance: the energy that the residual can still move, relative to the energy scale.
+    /// Newton's tolerance of the energy error of a step (`step/convergence.rs`), relative to the energy scale.
     pub tolerance: f64,
     /// Linear solver; results agree within Newton's tolerance.
     pub solver: SolverChoice,
@@ -100,7 +100,7 @@ pub struct Statistics {
     pub assemblies: usize,
     /// Cells of all bodies.
     pub cells: usize,
-    /// Bytes of the factors.
+    /// Memory of the matrix factors `[bytes]`.
     pub factor_bytes: usize,
     /// Time by phase.
     pub times: PhaseTimes,

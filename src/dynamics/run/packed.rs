@@ -9,7 +9,7 @@ const NUMBER: usize = 8;
 
 /// Value that is converted to and from bytes.
 trait Packed {
-    /// Appends the bytes.
+    /// Appends the value to a buffer, as bytes.
     fn put(&self, into: &mut Vec<u8>);
 
     /// Reads the value from the front of a byte slice; `None` if the slice is too short.

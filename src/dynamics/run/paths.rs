@@ -34,7 +34,7 @@ pub struct Path {
 /// An equilibrium on a path.
 #[derive(Clone, Debug)]
 pub struct PathPoint {
-    /// The state.
+    /// State in this equilibrium.
     pub state: Arc<State>,
     /// Number of unstable directions; `None` if the inertia is not available.
     pub unstable: Option<usize>,

@@ -105,7 +105,7 @@ impl PointField {
     }
 }
 
-/// All fields of points.
+/// Catalogue of the fields that follow from stress, strain and history variables at a point.
 pub static POINT_FIELDS: &[PointField] = &[
     PointField::stress("von_mises", "von Mises stress", |at, _| von_mises(&at.stress)),
     PointField::stress("tresca", "Tresca stress (σ₁ − σ₃)", |at, _| {
@@ -202,13 +202,13 @@ fn round(position: [f64; 3], tensor: &[f64; 6], frame: &LocalFrame, [i, j]: [usi
 /// Principal values of a symmetric tensor in descending order with their unit directions.
 #[derive(Clone, Copy, Debug)]
 pub struct Principal {
-    /// The values.
+    /// Principal values.
     pub values: [f64; 3],
-    /// The directions; the largest component of each is positive.
+    /// Unit directions of the principal values; the largest component of each is positive.
     pub directions: [[f64; 3]; 3],
 }
 
-/// Principal values and directions of a tensor xx, yy, zz, xy, yz, xz; not a number where a component is not one.
+/// Principal values and directions of a tensor xx, yy, zz, xy, yz, xz; NaN if a component is NaN.
 pub fn principal(tensor: &[f64; 6]) -> Principal {
     if tensor.iter().any(|component| !component.is_finite()) {
         return Principal { values: [f64::NAN; 3], directions: [[f64::NAN; 3]; 3] };

@@ -27,7 +27,7 @@ pub enum FailureCause {
         node: usize,
         /// Displacement of the node by the load alone in the last attempt, in cells.
         cells: f64,
-        /// Resulting failure.
+        /// Failure by which the last attempt ended.
         outcome: Box<FailureCause>,
     },
     /// Newton's method improved from halving to halving, or was still converging at its iteration limit.
@@ -122,7 +122,7 @@ pub struct IterationReport {
     pub residual: f64,
     /// Force tolerance of the residual `[force]`.
     pub target: f64,
-    /// Energy that the residual can still move, relative to the tolerance.
+    /// Energy error of the iterate, the work of the residual along the displacement in the step, relative to the tolerance.
     pub energy: f64,
     /// Largest violation of the contact conditions, relative to the tolerance.
     pub gap_violation: f64,

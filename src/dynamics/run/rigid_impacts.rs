@@ -19,8 +19,8 @@ use crate::dynamics::step::newton::Solution;
 use crate::dynamics::step::start::Motion;
 use crate::math::tolerances;
 
-/// Gap change in a step, relative to the gap tolerance, below which bodies do not approach: the midpoint rule doubles a remaining gap error
-/// in its velocities.
+/// Gap change in a step, relative to the gap tolerance, below which bodies count as not approaching: the midpoint rule doubles a remaining
+/// gap error in its velocities.
 const NOISE: f64 = 4.0;
 
 /// Largest number of attempts to reach the energy that restitution returns.

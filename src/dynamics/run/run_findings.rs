@@ -139,7 +139,7 @@ impl RunFindingKind {
     }
 }
 
-/// Something found about a run.
+/// Finding about a run: a violated guarantee, or a limit of the reliability of results.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RunFinding {
     /// Kind of the finding.

@@ -40,7 +40,7 @@ pub struct StableStep {
     pub penalty_share: f64,
 }
 
-/// `m^-1 K` at a state.
+/// Operator `m^-1 K` at a state, for Lanczos' method.
 struct Fastest<'a, const D: usize> {
     system: &'a Equations<D>,
     start: &'a StepStart<'a>,

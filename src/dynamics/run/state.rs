@@ -48,8 +48,8 @@ pub struct State {
     pub(super) level: usize,
     /// State of the step size controller.
     pub(super) pace: StepSizeState,
-    /// Sum of the ledger's energy defects since the run began or was last settled: Newton's tolerance has a sign, which may be the same in
-    /// every step `[energy]`.
+    /// Sum of the ledger's energy defects since the run began or was last settled: residuals within Newton's tolerance may have the same
+    /// sign in every step `[energy]`.
     pub(super) drift: f64,
     /// Integral over time of the largest force component at a node: its mean works on the round-off of positions `[force * time]`.
     pub(super) pushed: f64,
@@ -103,7 +103,7 @@ impl State {
     }
 }
 
-/// Times are products of a step size, not sums of it.
+/// Step counter. Times are `origin + count * dt`, without the round-off of a sum of steps.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Clock {
     /// Time from which steps are counted `[time]`.

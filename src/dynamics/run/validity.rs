@@ -27,7 +27,7 @@ const LEAST_TURN: f64 = 0.001;
 /// Body whose material law is used outside its range of validity.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OutOfValidity {
-    /// The body.
+    /// Name of the body.
     pub body: String,
     /// Kind of use outside the range of validity.
     pub kind: ExcessKind,

@@ -33,7 +33,7 @@ impl<const D: usize> Equations<D>
 where
     Space<D>: Elements<D>,
 {
-    /// Displacement of an unknown per force, over the square of a time; 0 at a support `[1/mass]`.
+    /// Inverse lumped mass of an unknown: its displacement per force and squared time; 0 at a support `[1/mass]`.
     pub fn mobility(&self, unknown: usize) -> f64 {
         if self.supports.fixed[unknown] { 0.0 } else { 1.0 / self.nodes.nodal_mass[unknown / D] }
     }

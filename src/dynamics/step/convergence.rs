@@ -11,9 +11,9 @@ const STALLED: f64 = 100.0;
 const FALLING: f64 = 0.5;
 const FALLING_FAR: f64 = 0.9;
 
-/// Growth of the number of iterations while the last one reduces the energy and all else is met, or while some iterations reduce energy
-/// times violation to a tenth. Stacks of rigid bodies that begin without multipliers, and friction that falls with the speed, take 30
-/// (`tests/scripts/rigid_friction_in_space.rhai`).
+/// Growth of the number of iterations while the last one reduces the energy error and meets all other criteria, or while some iterations
+/// reduce the product of energy error and violation to a tenth. Stacks of rigid bodies that begin without multipliers, and friction that
+/// decreases with the speed, take 30 (`tests/scripts/rigid_friction_in_space.rhai`).
 const LONGER: usize = 3;
 const TENTH: f64 = 0.1;
 const SOME: usize = 4;
@@ -41,7 +41,8 @@ pub struct Iteration {
     pub floor: f64,
     /// Residual that terminates a step at rest, for any energy; 0 in motion.
     pub enough: f64,
-    /// Energy that the residual can still move, relative to its tolerance.
+    /// Energy error of the iterate relative to its tolerance: work of the residual along the displacement in the step, plus the energy of
+    /// the violated contact conditions.
     pub energy: f64,
     /// Energy of contact forces times the round-off of positions, relative to the energy tolerance.
     pub round_off: f64,
@@ -65,7 +66,8 @@ pub struct Convergence {
     is_exact: bool,
     /// Energy of the last iterate.
     last_energy: f64,
-    /// Energies times violations, both at least as large as tolerated, of the last iterates, the latest first.
+    /// Products of energy error and contact violation, each relative to its tolerance and at least 1, of the last iterates; the latest
+    /// first.
     merits: [f64; SOME],
     /// Least distance from a solution, and the number of iterations since.
     nearest: f64,

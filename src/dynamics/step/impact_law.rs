@@ -55,7 +55,7 @@ pub struct ImpactLaw {
     pub response: Vec<f64>,
 }
 
-/// Course of an impact.
+/// Rates and impulses of the constraints in an impact.
 #[derive(Clone, Debug, Default)]
 pub struct ImpactSolution {
     /// Rates of the constraints.
@@ -86,7 +86,7 @@ impl ImpactLaw {
         ImpactSolution { impulses: vec![0.0; rates.len()], friction: vec![0.0; self.contacts.len()], pressing: 0.0, rates }
     }
 
-    /// Changes rates by impulses.
+    /// Adds the change `W p` by the impulses `p` to the rates.
     pub fn answer(&self, impulses: &[f64], rates: &mut [f64]) {
         let count = self.rows();
         for (row, rate) in rates.iter_mut().enumerate() {
@@ -287,7 +287,7 @@ impl Block {
         [stuck[0], share * stuck[1], share * stuck[2]]
     }
 
-    /// Impulses without a slip.
+    /// Impulses at which the contact sticks: no tangential rate.
     fn stuck(&self) -> [f64; 3] {
         let t = &self.response;
         // Tangential impulses of stick are `a + b p_n`.

@@ -2,7 +2,8 @@
 //!
 //! Semi-smooth Newton method: the active set is completed on the frozen linearization of each iteration before the geometry is evaluated
 //! again; increments are limited to a tenth of a facet; nodes with a sliver of overlap are excluded from the step; convergence is decided
-//! by the natural residual `min(lambda, c Phi)` and by the energy that the residual can still move, not by an unchanged set.
+//! by the natural residual `min(lambda, c Phi)` and by the energy error, the work of the residual along the displacement in the step, not
+//! by an unchanged set.
 
 use super::attempts::{ATTEMPTS, PreferredAttempt, Strategy};
 use super::conditions::Conditions;

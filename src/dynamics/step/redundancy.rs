@@ -126,7 +126,7 @@ impl<const D: usize> Equations<D> {
 struct Elimination<'a> {
     /// True for each supported unknown.
     fixed: &'a [bool],
-    /// Remainders by their largest unknown, over its entry.
+    /// Remainders by their pivot, the largest unknown, each scaled so that its entry there is 1.
     pivots: BTreeMap<usize, Row>,
 }
 

@@ -6,7 +6,7 @@ use crate::dynamics::parts::force_shares::ForceShares;
 use crate::dynamics::parts::supports::PrescribedUnknown;
 use crate::integrators::{Configuration, Derivative, Dissipation, History, REST, Scheme, UpdateCoefficients};
 
-/// Initial values and integration of a step.
+/// State at the start of a step, and the term that balances its forces.
 pub struct StepStart<'a> {
     /// Time at the start.
     pub time: f64,

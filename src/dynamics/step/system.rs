@@ -160,7 +160,7 @@ impl<const D: usize> System<D> {
         self.matrix.solver.taken_over()
     }
 
-    /// Bytes of the factors.
+    /// Memory of the matrix factors `[bytes]`.
     pub fn factor_bytes(&self) -> usize {
         self.matrix.solver.bytes()
     }

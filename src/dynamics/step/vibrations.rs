@@ -69,7 +69,7 @@ where
         Vibrations { system, rest, values: Vec::new(), held: 0, asymmetry: 0.0, stiffest: 0.0, factorizations: 0 }
     }
 
-    /// Components of all nodes.
+    /// Number of displacement components of all nodes.
     pub fn unknowns(&self) -> usize {
         self.rest.at.q.len()
     }

@@ -6,9 +6,9 @@ use crate::math::tolerances::AGGREGATE_DEPENDENT;
 /// Aggregate of a node without strong couplings.
 pub(super) const NONE: u32 = u32::MAX;
 
-/// Divides the leading `nodes` into aggregates: neighborhoods of strongly coupled nodes that do not overlap; nodes between join the
-/// neighborhood to which they are coupled most strongly (Vanek, Mandel and Brezina 1996, algorithm 2). Nodes couple strongly if
-/// `|A_ij|^2 > threshold^2 |A_ii| |A_jj|`. Returns the aggregate of every node, and their number.
+/// Divides the leading `nodes` into aggregates: disjoint neighborhoods of strongly coupled nodes; each remaining node joins the
+/// neighborhood to which it is coupled most strongly (Vanek, Mandel and Brezina 1996, algorithm 2). Nodes couple strongly if `|A_ij|^2 >
+/// threshold^2 |A_ii| |A_jj|`. Returns the aggregate of every node, and their number.
 pub(super) fn aggregates<const N: usize>(matrix: &BlockMatrix<N, N>, nodes: usize, threshold: f64) -> (Vec<u32>, usize) {
     let own: Vec<f64> = (0..nodes).map(|i| frobenius(&matrix.diagonal(i))).collect();
     let (mut starts, mut strong): (Vec<usize>, Vec<(u32, f64)>) = (vec![0], Vec::new());
@@ -35,7 +35,7 @@ pub(super) fn aggregates<const N: usize>(matrix: &BlockMatrix<N, N>, nodes: usiz
     let seeds = of.clone();
     for i in (0..nodes).filter(|&i| seeds[i] == NONE) {
         let nearest = near(i).iter().filter(|(j, _)| seeds[*j as usize] != NONE);
-        // Of equally strong couplings the first.
+        // The first of equally strong couplings is chosen.
         if let Some((j, _)) = nearest.reduce(|best, other| if other.1 > best.1 { other } else { best }) {
             of[i] = seeds[*j as usize];
         }
@@ -54,7 +54,7 @@ pub(super) fn aggregates<const N: usize>(matrix: &BlockMatrix<N, N>, nodes: usiz
     (of, count as usize)
 }
 
-/// Prolongation that is constant on aggregates: near-null vectors restricted to each aggregate, made orthonormal. Returns it, and the
+/// Tentative prolongation: near-null vectors restricted to each aggregate and orthonormalized there. Returns the prolongation and the
 /// near-null vectors of the coarse matrix.
 pub(super) fn tentative<const N: usize, const M: usize>(
     of: &[u32],

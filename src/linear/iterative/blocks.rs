@@ -1,6 +1,6 @@
 //! Sparse matrices of small dense blocks, stored by rows, and vectors of blocks.
 //!
-//! Every row of a product is computed alone and in one order, so that results do not depend on the number of threads.
+//! Every row of a product is summed by one thread in a fixed order, so that results do not depend on the number of threads.
 
 use std::ops::Range;
 
@@ -185,14 +185,14 @@ pub(super) fn inverse<const N: usize>(block: &Block<N, N>) -> Block<N, N> {
     inverse
 }
 
-/// A matrix whose rows are computed in parts, by any thread, and put together in order.
+/// Matrix whose rows are computed in parts by several threads and concatenated in order.
 pub(super) fn in_parts<const R: usize, const C: usize>(
     rows: usize,
     together: usize,
     workers: &Workers,
     work: impl Fn(Range<usize>, &mut BlockMatrix<R, C>) + Sync + Send,
 ) -> BlockMatrix<R, C> {
-    // At most some hundred parts, because each takes memory for all columns.
+    // At most some hundred parts, because each part needs memory for all columns.
     let length = together.max(rows.div_ceil(256));
     let mut parts = vec![BlockMatrix::<R, C>::empty(); rows.div_ceil(length)];
     workers.for_each(&mut parts, 1, |k, part| work(k * length..((k + 1) * length).min(rows), part));

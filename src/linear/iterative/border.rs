@@ -1,14 +1,14 @@
-//! The border of a matrix: all unknowns that are not coordinates of nodes in bodies, and the nodes that couple with them.
+//! Border of a matrix: all unknowns that are not coordinates of nodes in bodies, and the nodes that couple with them.
 //!
-//! With coordinates `u` of nodes and the border `lambda` (multipliers of contacts, ties and joints; unknowns of rigid bodies) the matrix is
-//! `[K B; C D]`.
+//! With the node coordinates `u` and the border unknowns `lambda` (multipliers of contacts, ties and joints; unknowns of rigid bodies) the
+//! matrix is `[K B; C D]`.
 
 use nalgebra::{DMatrix, DVector};
 
 use super::blocks::{Block, BlockMatrix, frobenius};
 use crate::linear::pattern::Pattern;
 
-/// A scaled matrix.
+/// Matrix with symmetric diagonal scaling: block `(u, v)` is multiplied by the scales of `u` and `v`.
 pub(super) struct Scaled<'a> {
     pub pattern: &'a Pattern,
     pub values: &'a [f64],
@@ -48,16 +48,16 @@ pub(super) struct Border {
     pub dimension: usize,
     /// Nodes without constraints, in ascending order.
     pub free: Vec<u32>,
-    /// Nodes that couple with the border, in ascending order. Every level keeps them.
+    /// Nodes that couple with the border, in ascending order; every level of the hierarchy contains them unchanged.
     pub kept: Vec<u32>,
     /// Vertices of the border, in ascending order.
     pub vertices: Vec<u32>,
-    /// Vertices that depend on no other, such as the multipliers of inactive constraints, in ascending order.
+    /// Decoupled vertices, whose rows contain their own unknowns only, such as the multipliers of inactive constraints, in ascending order.
     pub alone: Vec<u32>,
 }
 
 impl Border {
-    /// Divides the vertices of a matrix whose nodes have `D` unknowns.
+    /// Divides the vertices of a matrix, whose nodes have `D` unknowns, into free and kept nodes, border, and decoupled vertices.
     pub fn new<const D: usize>(matrix: &Scaled) -> Self {
         let pattern = matrix.pattern;
         let is_node = |v: usize| {
@@ -93,15 +93,15 @@ impl Border {
     }
 }
 
-/// Vertex that depends on no other.
+/// Decoupled vertex: its row contains its own unknowns only, so that it is solved beforehand.
 pub(super) struct Alone {
     first: usize,
     inverse: DMatrix<f64>,
-    /// Entries in the columns of the vertex.
+    /// Matrix entries of other rows in the columns of the vertex.
     columns: Vec<Entry>,
 }
 
-/// Entry of a matrix in the column `unknown` of a vertex.
+/// Matrix entry in row `row` and in column `unknown` of a vertex.
 struct Entry {
     row: usize,
     unknown: usize,
@@ -109,7 +109,7 @@ struct Entry {
 }
 
 impl Alone {
-    /// A vertex of a scaled matrix; `None` if its own block is singular.
+    /// Decoupled vertex of a scaled matrix; `None` if its diagonal block is singular.
     pub fn new(matrix: &Scaled, v: u32) -> Option<Self> {
         let (pattern, size) = (matrix.pattern, matrix.pattern.size(v as usize));
         let entry = |u: u32, i: usize, k: usize| matrix.scale(u, v) * matrix.values[pattern.block(u, v).at(i, k)];
@@ -123,7 +123,7 @@ impl Alone {
         Some(Alone { first: pattern.first_unknown(v as usize), inverse, columns })
     }
 
-    /// Solves for the unknowns of the vertex, and moves its columns to the right-hand side `b`.
+    /// Solves for the unknowns of the vertex, and subtracts their contribution to other rows from the right-hand side `b`.
     pub fn solve(&self, b: &mut [f64], x: &mut [f64]) {
         let range = self.first..self.first + self.inverse.nrows();
         let solution = &self.inverse * DVector::from_column_slice(&b[range.clone()]);
@@ -132,7 +132,7 @@ impl Alone {
     }
 }
 
-/// Rigid motions of nodes in scaled unknowns, zero in unknowns without couplings.
+/// Rigid motions of the nodes in scaled unknowns (near-null vectors of the stiffness); zero in unknowns without couplings.
 pub(super) fn rigid_motions<const D: usize, const M: usize>(
     matrix: &Scaled,
     nodes: &[u32],
@@ -172,7 +172,7 @@ pub(super) fn rigid_motions<const D: usize, const M: usize>(
     nodes.iter().enumerate().map(mode).collect()
 }
 
-/// Stiffness between nodes, in their order.
+/// Stiffness block matrix between the given nodes, in their order.
 pub(super) fn stiffness_of<const D: usize>(matrix: &Scaled, nodes: &[u32]) -> BlockMatrix<D, D> {
     let mut place = vec![None; matrix.pattern.vertices()];
     nodes.iter().enumerate().for_each(|(k, &v)| place[v as usize] = Some(k as u32));

@@ -17,7 +17,7 @@ pub(super) struct Coarsest {
 }
 
 impl Coarsest {
-    /// Factorizes the matrix of the last level, whose last rows are those of the kept nodes of the border, together with the border.
+    /// Factorizes the coarsest matrix together with the border. The last rows of the level are those of the kept nodes.
     pub fn new<const N: usize>(
         level: &BlockMatrix<N, N>,
         scaled: &Scaled,
@@ -27,7 +27,7 @@ impl Coarsest {
     ) -> Result<Self, Refusal> {
         let rows = level.rows();
         let free = rows - border.kept.len();
-        // Kept nodes have their own unknowns, filled up with others that couple with nothing.
+        // Kept nodes have `dimension` unknowns; the others of their `N` numbers couple with nothing and are left out.
         let size = |row: usize| if row < free { N } else { N.min(border.dimension) };
         let mut index = vec![None; scaled.pattern.vertices()];
         border.kept.iter().enumerate().for_each(|(k, &v)| index[v as usize] = Some((free + k) as u32));
@@ -80,7 +80,7 @@ impl Coarsest {
         Ok(coarsest)
     }
 
-    /// Solves for the right-hand sides of the level and of the border; both become the solution. Not a number if the matrix is singular.
+    /// Solves for the right-hand sides of the level and of the border; both become the solution. NaN if the matrix is singular.
     pub fn solve<const N: usize>(&mut self, level: &mut [[f64; N]], border: &mut [f64]) {
         let Coarsest { pattern, values, factors, vector } = self;
         let sizes = |row: usize| pattern.first_unknown(row)..pattern.first_unknown(row + 1);

@@ -1,9 +1,9 @@
 //! Smoothed aggregation: a hierarchy of coarser matrices, and its V-cycle.
 //!
-//! Near-null vectors (rigid motions) are reproduced exactly by the prolongation `P = (I - omega D^-1 A) P_0`, where `P_0` is constant on
-//! aggregates; the coarse matrix is `P^T A P` (Vanek, Mandel and Brezina, Computing 56, 1996). Nodes of the finest level have `D` unknowns,
-//! those of all others `M`, one for each near-null vector. The last nodes of a level may be kept: they are not smoothed, and the next level
-//! has them as they are.
+//! Near-null vectors (rigid motions) are reproduced exactly by the prolongation `P = (I - omega D^-1 A) P_0`, where `P_0` reproduces them
+//! on each aggregate; the coarse matrix is `P^T A P` (Vanek, Mandel and Brezina, Computing 56, 1996). Nodes of the finest level have `D`
+//! unknowns, those of all others `M`, one for each near-null vector. The last nodes of a level may be *kept*: they are not smoothed, and
+//! the next level contains them unchanged.
 
 use super::aggregation::{NONE, aggregates, tentative};
 use super::blocks::{Block, BlockMatrix, TOGETHER, add_product, frobenius, in_parts};
@@ -17,7 +17,7 @@ const DAMPING: f64 = 4.0 / 3.0;
 /// Threshold of strong couplings on the finest level, halved from level to level.
 const STRONG: f64 = 0.08;
 
-/// Number of unknowns that are always factorized.
+/// Number of unknowns up to which a level is factorized instead of coarsened.
 pub(super) const SMALL: usize = 1200;
 
 /// Largest number of levels.
@@ -32,25 +32,25 @@ struct Level<const N: usize, const M: usize> {
     smoother: Smoother<N>,
     prolongation: BlockMatrix<N, M>,
     restriction: BlockMatrix<M, N>,
-    /// Right-hand side, solution, and scratch of this level.
+    /// Right-hand side, solution and two scratch vectors of this level.
     vectors: [Vec<[f64; N]>; 4],
-    /// Correction of the next level, prolonged.
+    /// Correction of the next coarser level, before prolongation to this one.
     coarse: Vec<[f64; M]>,
 }
 
-/// The levels of a matrix with `D` unknowns a node and `M` near-null vectors, without the coarsest one.
+/// Levels of a matrix with `D` unknowns per node and `M` near-null vectors, without the coarsest level.
 pub(super) struct Hierarchy<const D: usize, const M: usize> {
     first: Option<Box<Level<D, M>>>,
     rest: Vec<Level<M, M>>,
 }
 
-/// Matrix of the coarsest level: the only one, or of a coarser one.
+/// Matrix of the coarsest level: the given matrix itself if there is only one level, otherwise a Galerkin matrix.
 pub(super) enum Last<const D: usize, const M: usize> {
     Fine(BlockMatrix<D, D>),
     Coarse(BlockMatrix<M, M>),
 }
 
-/// Nodes of a level: free ones that are joined, and kept ones behind them.
+/// Numbers of nodes of a level: free nodes, which are aggregated, followed by kept nodes.
 #[derive(Clone, Copy)]
 struct Nodes {
     free: usize,
@@ -58,8 +58,8 @@ struct Nodes {
 }
 
 impl<const D: usize, const M: usize> Hierarchy<D, M> {
-    /// Builds the levels of a matrix with its near-null vectors, one column each. The leading `free` nodes are joined. Returns the levels,
-    /// and the matrix of the coarsest one.
+    /// Builds the levels of a matrix with its near-null vectors as columns of `modes`. The leading `free` nodes are aggregated. Returns the
+    /// levels, and the matrix of the coarsest one.
     pub fn new(matrix: BlockMatrix<D, D>, modes: Vec<Block<D, M>>, free: usize, workers: &Workers) -> (Self, Last<D, M>) {
         if D * matrix.rows() <= SMALL || free == 0 {
             return (Hierarchy { first: None, rest: Vec::new() }, Last::Fine(matrix));
@@ -108,8 +108,8 @@ impl<const D: usize, const M: usize> Hierarchy<D, M> {
 }
 
 impl<const N: usize, const M: usize> Level<N, M> {
-    /// A level, the matrix of the next one, and its near-null vectors; `nodes` become those of the next level. Prolongation is not smoothed
-    /// where `still` says so.
+    /// Makes a level; returns it with the matrix and the near-null vectors of the next level, and sets `nodes` to those of the next level.
+    /// Rows for which `is_still` holds have the tentative prolongation without smoothing.
     fn new(
         matrix: BlockMatrix<N, N>,
         modes: &[Block<N, M>],
@@ -148,7 +148,7 @@ impl<const N: usize, const M: usize> Level<N, M> {
         self.matrix.bytes() + self.prolongation.bytes() + self.restriction.bytes() + size_of_val(&self.smoother.inverse[..])
     }
 
-    /// Smooths from zero; returns the right-hand side of the next level.
+    /// Pre-smooths from a zero start; returns the restricted residual, the right-hand side of the next level.
     fn descend(&mut self, workers: &Workers) -> Vec<[f64; M]> {
         let Level { matrix, smoother, restriction, vectors: [b, x, r, d], coarse, .. } = self;
         x.fill([0.0; N]);
@@ -160,7 +160,7 @@ impl<const N: usize, const M: usize> Level<N, M> {
         right
     }
 
-    /// Adds the correction of the next level, and smooths.
+    /// Adds the prolonged correction of the next level, and post-smooths.
     fn ascend(&mut self, correction: &[[f64; M]], workers: &Workers) {
         let Level { matrix, smoother, prolongation, vectors: [b, x, r, d], .. } = self;
         prolongation.multiply(1.0, correction, x, r, workers);
@@ -169,7 +169,7 @@ impl<const N: usize, const M: usize> Level<N, M> {
     }
 }
 
-/// Row of a matrix whose kept nodes are those from `free` on.
+/// Row of a level matrix in which the nodes from `free` on are kept nodes.
 struct Row<'a, const N: usize> {
     number: usize,
     free: usize,
@@ -183,8 +183,8 @@ impl<const N: usize> Row<'_, N> {
         self.number >= self.free
     }
 
-    /// True for kept nodes, and for nodes that couple with them. If those were smoothed on coarse levels, too, their couplings with kept
-    /// nodes would become nine times as many from level to level.
+    /// True for kept nodes, and for nodes that couple with kept nodes. Smoothing these on coarse levels would multiply their couplings with
+    /// kept nodes by nine from level to level.
     fn touches_kept(&self) -> bool {
         self.is_kept() || self.columns.iter().zip(self.blocks).any(|(j, block)| *j as usize >= self.free && frobenius(block) > 0.0)
     }
@@ -235,7 +235,7 @@ fn smoothed<const N: usize, const M: usize>(
     })
 }
 
-/// Coarse matrix `P^T A P`, row by row. Rows and columns of near-null vectors that an aggregate lacks get a unit diagonal.
+/// Galerkin matrix `P^T A P`, row by row. Near-null vectors that an aggregate cannot represent get a unit diagonal.
 fn galerkin<const N: usize, const M: usize>(
     matrix: &BlockMatrix<N, N>,
     prolongation: &BlockMatrix<N, M>,
@@ -244,7 +244,7 @@ fn galerkin<const N: usize, const M: usize>(
 ) -> BlockMatrix<M, M> {
     let (fine, coarse) = (matrix.rows(), restriction.rows());
     in_parts(coarse, COARSE_ROWS, workers, |rows, part| {
-        // Position of a fine node, and of a coarse one, in the present row.
+        // Positions of fine and of coarse nodes in the lists of the present row.
         let (mut fine_place, mut coarse_place) = (vec![NONE; fine], vec![NONE; coarse]);
         let mut half: Vec<(u32, Block<M, N>)> = Vec::new();
         let mut sums: Vec<(u32, Block<M, M>)> = Vec::new();
@@ -283,7 +283,7 @@ fn galerkin<const N: usize, const M: usize>(
     })
 }
 
-/// Place of an item in a list, to which it is added if it is not there yet.
+/// Position of an item in a list; the item is appended with the value `zero` if it is missing.
 #[inline(always)]
 fn place_of<B>(place: &mut u32, list: &mut Vec<(u32, B)>, item: u32, zero: B) -> usize {
     if *place == NONE {

@@ -1,11 +1,11 @@
-//! GMRES with a preconditioner on the right (Saad and Schultz 1986), restarted from the true residual.
+//! GMRES with right preconditioning (Saad and Schultz 1986), restarted from the true residual.
 
 use crate::math::workers::Workers;
 
-/// Number of vectors between restarts.
+/// Number of basis vectors between restarts.
 pub(super) const RESTART: usize = 50;
 
-/// Length of the parts of a sum.
+/// Number of terms of a sum that one thread adds.
 const PART: usize = 8192;
 
 /// Linear system of an iteration: products with the matrix, and the preconditioner.
@@ -16,7 +16,7 @@ pub(super) trait System {
     /// `y := M^-1 x`.
     fn precondition(&mut self, x: &[f64], y: &mut [f64]);
 
-    /// True if the iteration is to end.
+    /// True if the iteration was interrupted by the user.
     fn is_interrupted(&self) -> bool;
 }
 
@@ -27,8 +27,8 @@ pub(super) struct Krylov {
 }
 
 impl Krylov {
-    /// Adds to `x` the correction that makes the residual smallest, for the residual `r`, until it is as small as `goal` in the Euclidean
-    /// norm, or after [`RESTART`] vectors, or `most`. Returns the number of vectors. `r` is scratch afterwards.
+    /// One restart cycle: adds the correction to `x` that minimizes the residual, given the residual `r`, until its Euclidean norm is at
+    /// most `goal`, or after [`RESTART`] or `most` vectors. Returns the number of vectors. `r` is overwritten.
     pub fn cycle(&mut self, system: &mut impl System, r: &mut [f64], x: &mut [f64], goal: f64, most: usize, workers: &Workers) -> usize {
         let unknowns = r.len();
         let size = dot(r, r, workers).sqrt();
@@ -43,7 +43,7 @@ impl Krylov {
         };
         vector(&mut self.basis, 0);
         self.basis[0].iter_mut().zip(&*r).for_each(|(v, r)| *v = r / size);
-        // Columns of the triangular factor, the rotations that make it, and the rotated right-hand side.
+        // Columns of the triangular factor, Givens rotations that produced it, and rotated right-hand side.
         let (mut columns, mut rotations, mut right): (Vec<Vec<f64>>, Vec<[f64; 2]>, Vec<f64>) = (Vec::new(), Vec::new(), vec![size]);
         let mut preconditioned = vec![0.0; unknowns];
         for k in 0..RESTART.min(most) {
@@ -109,7 +109,8 @@ fn add(factor: f64, x: &[f64], y: &mut [f64], workers: &Workers) {
     workers.for_each_part(y, PART, |part, y| y.iter_mut().zip(&x[part * PART..]).for_each(|(y, x)| *y += factor * x));
 }
 
-/// Scalar product; parts of fixed length are summed in eight sums each, so that the result does not depend on the number of threads.
+/// Scalar product; parts of fixed length are summed by eight accumulators each, so that the result does not depend on the number of
+/// threads.
 pub(super) fn dot(x: &[f64], y: &[f64], workers: &Workers) -> f64 {
     let mut sums = vec![0.0; x.len().div_ceil(PART)];
     workers.for_each(&mut sums, 1, |part, sum| {

@@ -1,8 +1,8 @@
 //! Iterative solver: GMRES with smoothed aggregation as preconditioner, refined on the true residual.
 //!
-//! A solution has the backward error to which the direct solver is refined ([`tolerances::LINEAR_REFINED`]), so that Newton's method and
-//! the ledger do not depend on the choice. Memory and time grow with the number of unknowns, not with a power of it. The hierarchy is made
-//! anew for every matrix and depends on nothing else than the matrix and the positions of the nodes.
+//! A solution is refined to the backward error of the direct solver ([`tolerances::LINEAR_REFINED`]), so that Newton's method and the
+//! energy balance do not depend on the choice of the solver. Memory and time grow in proportion to the number of unknowns. The hierarchy is
+//! made anew for every matrix and depends on the matrix and the positions of the nodes only.
 
 mod aggregation;
 mod blocks;
@@ -31,10 +31,10 @@ use crate::math::workers::Workers;
 /// Largest number of iterations of one solve.
 const MOST_ITERATIONS: usize = 600;
 
-/// Reduction of the residual by one cycle above which the iteration is given up.
+/// Ratio of residuals after and before a restart cycle above which the iteration is abandoned.
 const SLOW: f64 = 0.5;
 
-/// Preconditioners for two and three coordinates a node.
+/// Preconditioners for two and three unknowns per node.
 enum Preconditioner {
     Plane(Box<Saddle<2, 3>>),
     Space(Box<Saddle<3, 6>>),
@@ -79,8 +79,8 @@ impl Iterative {
         Ok(())
     }
 
-    /// Solves with the matrix of the last preconditioner; `right` becomes the solution. Returns the backward error, as that of the direct
-    /// solver.
+    /// Solves with the matrix of the last preconditioner; `right` becomes the solution. Returns the backward error, defined as by the
+    /// direct solver.
     pub fn solve(
         &mut self,
         pattern: &Pattern,
@@ -102,7 +102,7 @@ impl Iterative {
         }
         let mut system = ScaledSystem { pattern, values, scale, preconditioner, scratch: vec![0.0; b.len()], workers, watch };
         let (mut x, mut r) = (vec![0.0; b.len()], b.clone());
-        // Size of the solution, from its first estimate.
+        // Size of the solution for the backward error, estimated by one preconditioner step.
         system.precondition(&b, &mut x);
         let mut solution = largest(x.iter().copied());
         x.fill(0.0);

@@ -1,4 +1,4 @@
-//! Reasons for which the iterative solver leaves a system to the direct one.
+//! Reasons for which the direct solver takes over a system from the iterative solver.
 
 use crate::linear::error::LinearError;
 
@@ -7,8 +7,8 @@ use crate::linear::error::LinearError;
 pub(in crate::linear) enum Refusal {
     /// Most nodes of the matrix have constraints, or it has no nodes with coordinates.
     Unsuited,
-    /// The residual did not fall far enough.
+    /// The residual did not decrease to the required tolerance.
     NotConverged,
-    /// An error that another solver has, too.
+    /// An error that also occurs with the direct solver.
     Error(LinearError),
 }

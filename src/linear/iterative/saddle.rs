@@ -1,9 +1,9 @@
 //! Preconditioner of a matrix with a border: smoothed aggregation inside of bodies, constraints exact on the coarsest level.
 //!
-//! Nodes with constraints are kept by every level as they are, and only nodes without constraints are smoothed. So all constraints
-//! belong to the coarsest problem, which is factorized, and its correction satisfies them exactly: the cycle is multigrid on the motions
-//! that satisfy the constraints. For every such motion there is a coarse one with the same values at the kept nodes. Their difference is
-//! smoothed inside of a body, so that convergence depends neither on the mesh nor on the kind of constraints.
+//! Nodes with constraints (*kept* nodes) are unchanged on every level, and only nodes without constraints are smoothed. All constraints
+//! therefore belong to the coarsest problem, which is factorized: its correction satisfies them exactly, and the cycle is multigrid in the
+//! space of motions that satisfy the constraints. For every such motion there is a coarse one with the same values at the kept nodes. Their
+//! difference is smoothed inside of a body, so that convergence depends neither on the mesh size nor on the kind of constraints.
 
 use super::border::{Alone, Border, Scaled, rigid_motions, stiffness_of};
 use super::coarsest::Coarsest;
@@ -16,7 +16,7 @@ use crate::math::workers::Workers;
 pub(super) struct Saddle<const D: usize, const M: usize> {
     hierarchy: Hierarchy<D, M>,
     coarsest: Coarsest,
-    /// First unknown of every node, and the unknowns of the border's vertices.
+    /// First unknown of every node, and unknowns of the border vertices.
     firsts: Vec<usize>,
     unknowns: Vec<usize>,
     alone: Vec<Alone>,
@@ -62,7 +62,7 @@ impl<const D: usize, const M: usize> Saddle<D, M> {
         self.hierarchy.bytes() + self.coarsest.bytes()
     }
 
-    /// `x :=` preconditioner applied to `b`, both for the scaled matrix.
+    /// Applies the preconditioner: `x := M^-1 b`, both for the scaled matrix.
     pub fn apply(&mut self, b: &[f64], x: &mut [f64], workers: &Workers) {
         let Saddle { hierarchy, coarsest, firsts, unknowns, alone, right, border } = self;
         let mut reduced;

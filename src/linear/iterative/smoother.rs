@@ -1,6 +1,6 @@
 //! Smoother: Chebyshev polynomials of the matrix scaled by its diagonal blocks.
 //!
-//! Unlike Gauss-Seidel it consists of products with the matrix alone, so that it runs on any number of threads with one result (Adams,
+//! Unlike Gauss-Seidel it consists of matrix-vector products only, so that its result does not depend on the number of threads (Adams,
 //! Brezina, Hu and Tuminaro, J. Comput. Phys. 188, 2003).
 
 use super::blocks::{Block, BlockMatrix, TOGETHER, inverse, times};
@@ -9,20 +9,20 @@ use crate::math::workers::Workers;
 /// Degree of the polynomial.
 const DEGREE: usize = 2;
 
-/// Ratio of the largest to the smallest eigenvalue that the smoother damps: coarse levels reduce errors of smaller eigenvalues.
+/// Ratio of the largest to the smallest eigenvalue that the smoother damps; coarse levels reduce error components with smaller eigenvalues.
 const RATIO: f64 = 10.0;
 
-/// Number of power iterations for the largest eigenvalue, and safety factor for their underestimation.
+/// Number of power iterations for the largest eigenvalue; `SAFETY` compensates their underestimation.
 const POWERS: usize = 12;
 const SAFETY: f64 = 1.1;
 
-/// Length of the parts of a sum.
+/// Number of terms of a sum that one thread adds.
 const PART: usize = 4096;
 
-/// Vector from which smoothing starts.
+/// Initial vector of a smoothing.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Start {
-    /// Zero, whose residual is the right-hand side.
+    /// Zero vector, whose residual is the right-hand side.
     Zero,
     /// Approximate solution.
     Solution,
@@ -70,7 +70,8 @@ impl<const N: usize> Smoother<N> {
         });
     }
 
-    /// Improves `x`, which is zero if `start` says so, as a solution for the right-hand side `b`. `r` and `d` are scratch.
+    /// Smooths the approximate solution `x` for the right-hand side `b`; with [`Start::Zero`], `x` is zero. `r` and `d` are scratch
+    /// vectors.
     pub fn smooth(
         &self,
         matrix: &BlockMatrix<N, N>,
@@ -111,7 +112,7 @@ impl<const N: usize> Smoother<N> {
     }
 }
 
-/// Scalar product; parts of fixed length are summed, then their sums.
+/// Scalar product by partial sums of fixed length, so that the result does not depend on the number of threads.
 pub(super) fn dot<const N: usize>(x: &[[f64; N]], y: &[[f64; N]], workers: &Workers) -> f64 {
     let mut sums = vec![0.0; x.len().div_ceil(PART)];
     workers.for_each(&mut sums, 1, |part, sum| {

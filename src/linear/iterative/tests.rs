@@ -45,8 +45,8 @@ fn brick(size: [f64; 3], poisson: f64) -> Vec<[f64; 24]> {
     stiffness
 }
 
-/// Blocks of `counts` bricks one above the other, apart from each other in numbering; the lowest face is held. Pairs of nodes on facing
-/// sides are tied by `ties`: the multipliers of one node each, or of a node and its neighbors as standard ones are.
+/// Stacked blocks of `counts` bricks each, numbered block by block; the lowest face is fixed. Multipliers tie the pairs of facing nodes:
+/// with one pair each, or if `is_standard` with a pair and its neighbors, like standard multiplier shape functions.
 fn stack(counts: [usize; 3], size: [f64; 3], poisson: f64, blocks: usize, is_standard: bool) -> Model {
     let per = (counts[0] + 1) * (counts[1] + 1) * (counts[2] + 1);
     let index = |block: usize, [i, j, k]: [usize; 3]| (block * per + i + (counts[0] + 1) * (j + (counts[1] + 1) * k)) as u32;
@@ -131,7 +131,7 @@ fn stack(counts: [usize; 3], size: [f64; 3], poisson: f64, blocks: usize, is_sta
     Model { pattern, values, positions, right }
 }
 
-/// Number of iterations and solution.
+/// Number of iterations and solution of the iterative solver.
 fn iterated(model: &Model, threads: usize) -> (usize, Vec<f64>) {
     let (mut solver, workers) = (Iterative::default(), Workers::new(threads));
     assert_eq!(solver.prepare(&model.pattern, &model.positions, &model.values, &workers, &InterruptWatch::default()), Ok(()));
@@ -192,7 +192,7 @@ fn results_do_not_depend_on_the_number_of_threads() {
     assert_eq!(iterated(&model, 1), iterated(&model, 3));
 }
 
-/// Solver of a choice after the solution of a system, its solution, and that of the direct solver.
+/// Solver of a choice after it has solved the system, its solution, and that of the direct solver.
 fn chosen(choice: SolverChoice, model: &Model) -> (Box<dyn LinearSolver>, [Vec<f64>; 2]) {
     let solutions = [choice, SolverChoice::Direct].map(|choice| {
         let mut solver = solver_of(choice, &model.pattern, &model.positions, &Workers::default()).unwrap();
@@ -207,7 +207,7 @@ fn chosen(choice: SolverChoice, model: &Model) -> (Box<dyn LinearSolver>, [Vec<f
 
 #[test]
 fn the_direct_solver_takes_over_where_the_iteration_does_not_converge() {
-    // Couplings between nodes far larger than the diagonal blocks, not symmetric: smoothing makes errors grow.
+    // Unsymmetric couplings between nodes, far larger than the diagonal blocks: smoothing amplifies errors.
     let mut model = stack([8, 8, 8], CUBE, 0.3, 1, false);
     for v in 0..model.pattern.vertices() as u32 {
         for &u in model.pattern.neighbors(v as usize).iter().filter(|&&u| u > v) {
@@ -222,7 +222,7 @@ fn the_direct_solver_takes_over_where_the_iteration_does_not_converge() {
     let (mut solver, [x, y]) = chosen(SolverChoice::Iterative, &model);
     assert!(x == y);
     assert_eq!((solver.taken_over().unconverged, solver.work().factorizations, solver.work().hierarchies), (1, 1, 1));
-    // The iteration is tried for some further matrices, then no more; a restored state keeps this count.
+    // The iteration is tried for three matrices in total, then no more; a restored state keeps this count.
     for _ in 0..4 {
         solver.factorize(&model.values).unwrap();
         solver.solve(&model.values, &mut model.right.clone()).unwrap();
@@ -239,7 +239,7 @@ fn the_direct_solver_takes_over_where_the_iteration_does_not_converge() {
 
 #[test]
 fn unknowns_without_rigid_motions_belong_to_the_coarsest_level() {
-    // A block that is carried by an unknown of its own, such as one of a rigid body: springs from it to all nodes of the upper face.
+    // A block, with springs from all nodes of its upper face to one additional unknown, such as the displacement of a rigid body.
     let block = stack([8, 8, 8], CUBE, 0.3, 1, false);
     let nodes = block.pattern.vertices() as u32;
     let mut vertices: Vec<Vertex> = (0..nodes as usize).map(|v| block.pattern.vertex(v)).collect();
@@ -267,7 +267,7 @@ fn unknowns_without_rigid_motions_belong_to_the_coarsest_level() {
 
 #[test]
 fn where_most_nodes_have_constraints_the_direct_solver_takes_over() {
-    // Plates of one layer of cells, every free node of which presses on the other.
+    // Plates of one layer of cells, in which every free node is in contact with the neighboring plate.
     let (solver, [x, y]) = chosen(SolverChoice::Iterative, &stack([20, 20, 1], [20.0, 20.0, 1.0], 0.3, 3, true));
     assert!(x == y && solver.taken_over().is_unsuited && solver.work().iterations == 0);
 }
@@ -280,7 +280,7 @@ fn small_systems_are_solved_directly_unless_iteration_is_wanted() {
     let (mut solver, [x, y]) = chosen(SolverChoice::Iterative, &model);
     assert!(solver.work().iterations > 0 && solver.work().factorizations == 0 && solver.negative_eigenvalues().is_none());
     assert!(x.iter().zip(&y).all(|(x, y)| (x - y).abs() < 1e-12));
-    // The inertia needs factors.
+    // The inertia requires factors, so that the direct solver is used.
     solver.factorize_directly(&model.values).unwrap();
     assert_eq!(solver.negative_eigenvalues(), Some(0));
     // Several right-hand sides one after another.

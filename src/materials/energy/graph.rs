@@ -116,7 +116,7 @@ impl Graph {
     }
 
     pub(super) fn product(&mut self, a: Id, b: Id) -> Id {
-        // Factors come to the front, so that equal products are found equal.
+        // Constant factors are moved to the front, so that equal products are recognized.
         match (self.nodes[a], self.nodes[b]) {
             (Node::Constant(factor), _) => self.scaled(factor.value(), b),
             (_, Node::Constant(factor)) => self.scaled(factor.value(), a),
@@ -331,7 +331,7 @@ mod tests {
 
     #[test]
     fn derivatives_of_powers_share_their_parts() {
-        // d/dJ of J^-2/3 is -2/3 J^-2/3 / J: no second exponential.
+        // The derivative of J^-2/3 is -2/3 J^-2/3 / J and needs no second exponential.
         let mut graph = Graph::default();
         let j = graph.variable(Variable::J);
         let power = graph.power(j, -2.0 / 3.0);

@@ -430,7 +430,7 @@ fn add_product<const FMA: bool, const S: usize>(
     }
 }
 
-/// An energy of `J` alone: a tape with the stages [`ENERGY`] and [`SLOPES`], the latter with the second derivative.
+/// Energy that depends on `J` only, as a tape with two stages: [`ENERGY`], and [`SLOPES`] with the first and second derivative.
 pub(super) struct VolumetricEnergy(Tape);
 
 impl VolumetricEnergy {

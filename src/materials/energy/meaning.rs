@@ -76,7 +76,7 @@ pub(super) fn constants_of(expression: &Expression) -> Vec<(String, Range<usize>
             Form::Negative(inner) => collect(inner, found),
             Form::Binary(_, a, b) => [a, b].into_iter().for_each(|part| collect(part, found)),
             Form::Call(name, arguments) => {
-                // `mu (I1 - 3)` names a constant and lacks a sign.
+                // An unknown function such as in `mu (I1 - 3)` is a constant with a missing multiplication sign.
                 let is_function = name == AMBIGUOUS || FUNCTIONS.iter().any(|(function, ..)| function == name);
                 if !is_function && !is_quantity(name) && !found.iter().any(|(known, _)| known == name) {
                     found.push((name.clone(), expression.span.start..expression.span.start + name.len()));
@@ -321,7 +321,7 @@ impl Translation<'_> {
             let error = self.error(&argument.span, "`stretch_power` takes a fixed exponent", "not fixed");
             return Err(error.hint("write a number or a constant"));
         };
-        // l1^2 + l2^2 + l3^2 = I1, and its inverse powers need no principal stretches either.
+        // The sums of l_i^2 (I1) and l_i^-2 (I2/J^2) need no principal stretches.
         Ok(if exponent == 0.0 {
             self.graph.constant(3.0)
         } else if exponent == 2.0 {

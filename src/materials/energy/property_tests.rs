@@ -57,7 +57,7 @@ proptest! {
         let moved = |by: f64| at(&*law, std::array::from_fn(|k| strain[k] + by * way[k]));
         let (_, stress, tangent) = moved(0.0);
         let far = [moved(-2.0 * STEP), moved(-STEP), moved(STEP), moved(2.0 * STEP)];
-        // of fourth order
+        // Central difference quotient of fourth order.
         let slope = |value: &dyn Fn(usize) -> f64| (value(0) - 8.0 * value(1) + 8.0 * value(2) - value(3)) / (12.0 * STEP);
         let dot = |a: &[f64; 6]| (0..6).map(|k| a[k] * way[k]).sum::<f64>();
         let largest = tangent.iter().flatten().chain(&stress).fold(far[0].0.abs().max(1.0), |most, x| most.max(x.abs()));

@@ -162,7 +162,7 @@ impl ScalarText {
         self.evaluate(&self.expression, x)
     }
 
-    /// First of these points at which value or slope is not finite; `None` if there is none.
+    /// First of the given points at which value or slope is not finite; `None` if both are finite at all points.
     pub fn is_undefined_at(&self, places: &[f64]) -> Option<f64> {
         let is_finite = |x: f64| self.at(x).value.is_finite() && self.at(x).slope.is_finite();
         places.iter().copied().find(|&x| !is_finite(x))

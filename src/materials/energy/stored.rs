@@ -20,7 +20,7 @@ pub struct EnergyText {
 }
 
 impl EnergyText {
-    /// The energy of a text.
+    /// Parses the text of an energy.
     ///
     /// # Errors
     /// A syntax error, with its place in the text.

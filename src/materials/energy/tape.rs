@@ -116,7 +116,7 @@ impl Tape {
 trait Base {
     /// Value of a register.
     fn value<const FMA: bool>(&self, operand: Operand, point: usize) -> Lanes<FMA>;
-    /// `x` over the value of a register.
+    /// Quotient of `x` and the value of a register.
     fn below<const FMA: bool>(&self, x: Lanes<FMA>, operand: Operand, point: usize) -> Lanes<FMA>;
 }
 
@@ -186,7 +186,7 @@ impl Lowering<'_> {
     }
 
     fn sum(&mut self, a: Id, b: Id, rest: f64) -> Place {
-        // A constant changes no deviation.
+        // A constant operand does not change the deviation of a sum.
         if self.graph.as_constant(a).is_some() {
             return self.place(b);
         }
@@ -271,7 +271,7 @@ impl Tape {
 
     #[inline(always)]
     fn run<const FMA: bool, const N: usize>(&self, stage: usize, registers: &mut [Block<N>], base: &impl Base) {
-        // Without unrolling over the points: the unrolled loops would exceed the vector registers.
+        // Prevents unrolling of the loop over the points: unrolled loops would exceed the vector registers.
         let points = black_box(N).min(N);
         for (index, operation) in self.operations[..self.stages[stage]].iter().enumerate() {
             let target = Operand { register: self.inputs + index, rest: self.rest[index], reciprocal: None };

@@ -6,7 +6,7 @@ use crate::math::lanes::{Lanes, Real, WIDTH};
 
 const NEO_HOOKEAN: &str = "mu/2*(I1 - 3 - 2*ln(J))";
 
-/// Strains of every size with increments of every size; reproducible, each lane another.
+/// Reproducible strains and strain increments of every order of magnitude, different in each lane.
 fn strains<const S: usize>() -> Vec<(f64, Components<S>, Components<S>)> {
     let mut seed = 11u64;
     let mut random = move || {
@@ -51,7 +51,7 @@ fn text_against_hand<const S: usize>(text: &dyn BatchedLaw<S>, hand: &dyn Batche
             let stress_size = size.min(1.0) * mu;
             for i in 0..S {
                 let (a, b) = (response[k].stress[i].0[lane], response_hand[k].stress[i].0[lane]);
-                // Relative to the size of the stress, not only to the modulus.
+                // The tolerance is relative to the size of the stress, so that small stresses are compared to full accuracy, too.
                 assert!((a - b).abs() < 2e-14 * stress_size, "{}: {a} {b}", at("stress"));
                 let (a, b) = (increment[k].stress_end[i].0[lane], increment_hand[k].stress_end[i].0[lane]);
                 assert!((a - b).abs() < 2e-14 * stress_size, "{}: {a} {b}", at("stress at the end"));
@@ -62,7 +62,7 @@ fn text_against_hand<const S: usize>(text: &dyn BatchedLaw<S>, hand: &dyn Batche
                     assert!((a - b).abs() < 1e-13 * mu, "{}: {a} {b}", at("tangent"));
                 }
             }
-            // Deviation form: round-off of terms of first order in an energy of second.
+            // Energies are of second order in the strain but computed from deviations of first order, whose round-off remains.
             let (a, b) = (energy[k].0[lane], energy_hand[k].0[lane]);
             assert!((a - b).abs() < 2e-15 * mu * size, "{}: {a} {b}", at("energy"));
             let d: f64 = (0..S).map(|i| (n1[i].0[lane] - n[i].0[lane]).powi(2)).sum::<f64>().sqrt();

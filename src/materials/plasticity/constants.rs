@@ -16,7 +16,7 @@ pub enum PlasticityError {
     Constant {
         /// Name of the constant.
         constant: &'static str,
-        /// The range and the value.
+        /// Admissible range, and the given value outside of it.
         fault: OutOfRange,
     },
     /// Invalid table of a hardening curve.
@@ -62,7 +62,7 @@ pub enum Hardening {
     /// `k = yield_stress + modulus alpha + saturation (1 - exp(-exponent alpha))` (linear; Voce, Journal of the Institute of Metals 74,
     /// 1948); perfect plasticity if both are zero.
     Saturating {
-        /// `[stress]`.
+        /// Linear hardening modulus `[stress]`.
         modulus: f64,
         /// Gain of the yield stress in the limit of large plastic strain `[stress]`.
         saturation: f64,
@@ -78,7 +78,7 @@ pub enum Hardening {
     },
     /// `k = yield_stress + modulus alpha^exponent` (Ludwik 1909; Johnson and Cook 1983).
     Ludwik {
-        /// `[stress]`.
+        /// Hardening modulus `[stress]`.
         modulus: f64,
         /// Exponent, from 0 to 1.
         exponent: f64,
@@ -101,9 +101,9 @@ impl Hardening {
 /// The uniaxial back stress grows by `modulus` per plastic strain, up to `modulus/recovery`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BackStress {
-    /// `[stress]`.
+    /// Kinematic hardening modulus `[stress]`.
     pub modulus: f64,
-    /// Dynamic recovery.
+    /// Coefficient of dynamic recovery.
     pub recovery: f64,
 }
 
@@ -129,7 +129,7 @@ pub enum RateDependence {
     JohnsonCook {
         /// Rate sensitivity `C`.
         factor: f64,
-        /// `[1/time]`.
+        /// Reference rate of the equivalent plastic strain `[1/time]`.
         reference_rate: f64,
     },
 }
@@ -137,11 +137,11 @@ pub enum RateDependence {
 /// Elastic-plastic material: Hencky's law, von Mises yield condition, hardening.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ElasticPlastic {
-    /// `[stress]`.
+    /// Young's modulus `[stress]`.
     pub youngs_modulus: f64,
     /// Poisson's ratio.
     pub poisson_ratio: f64,
-    /// `[mass/volume]`.
+    /// Mass per undeformed volume `[mass/volume]`.
     pub density: f64,
     /// Yield stress in tension before any plastic strain `[stress]`.
     pub yield_stress: f64,

@@ -73,7 +73,7 @@ pub(super) struct Slopes<const FMA: bool, const S: usize> {
     pub(super) by_time: [Lanes<FMA>; S],
 }
 
-/// Coefficients of a back strain for a multiplier: `(A a_0 + g N)/B`, and of the stress `q a_0 + g c/B N`.
+/// Coefficients of a back strain for a given multiplier: back strain `(A a_0 + g N)/B` at the end, and back stress `q a_0 + g c/B N`.
 struct Recovery<const FMA: bool> {
     a: Lanes<FMA>,
     b: Lanes<FMA>,
@@ -198,7 +198,7 @@ impl<const FMA: bool, const S: usize> FlowStep<'_, FMA, S> {
         (theta, times(driven, slope))
     }
 
-    /// Weight of the end in the law of the back strains.
+    /// Weight `t` of the end of the step in the evolution law of the back strains: 1 for radial return, otherwise 1/2.
     fn weight(&self) -> f64 {
         if self.rule == Rule::RadialReturn { 1.0 } else { 0.5 }
     }
@@ -245,7 +245,7 @@ impl<const FMA: bool, const S: usize> FlowStep<'_, FMA, S> {
                 let (least, most) = (low.0[lane], high.0[lane]);
                 let bisected = if most.is_finite() { 0.5 * (least + most) } else { 2.0 * least + 0.1 * stress.0[lane] / self.shear };
                 let candidate = if newton > least && newton < most { newton } else { bisected };
-                // Without a number between both bounds, round-off ends the iteration.
+                // The iteration ends when no floating-point number lies between both bounds.
                 if candidate != before && candidate != least {
                     next.0[lane] = candidate;
                     is_done = false;
@@ -260,7 +260,7 @@ impl<const FMA: bool, const S: usize> FlowStep<'_, FMA, S> {
         (g, at)
     }
 
-    /// The yield condition at a multiplier.
+    /// Evaluates the yield condition at the multiplier `g`.
     #[inline(always)]
     fn look(&self, [stress_1, trial]: [&[Lanes<FMA>; S]; 2], theta: Lanes<FMA>, left: Lanes<FMA>, g: Lanes<FMA>) -> Iterate<FMA, S> {
         let (mut v, mut dv, mut y, mut dy) = (*trial, [Lanes::ZERO; S], *stress_1, [Lanes::ZERO; S]);
@@ -308,7 +308,7 @@ impl<const FMA: bool, const S: usize> FlowStep<'_, FMA, S> {
     ) -> Slopes<FMA, S> {
         let Iterate { normal, turning, size, outward, stiffness, slope, .. } = at;
         let two_mu = Lanes::splat(2.0 * self.shear);
-        // Derivative of v with respect to theta: stresses and back stresses at the end less those at the start of the flow.
+        // Derivative of `v` with respect to `theta`: relative stress at the end minus that at the start of the flow.
         let mut weighed = *driven;
         for (back, constants) in self.back.iter().zip(&self.law.back_stresses) {
             let Recovery { q, .. } = self.recovery(constants.factor(), constants.recovery, g);

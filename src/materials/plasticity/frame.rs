@@ -1,4 +1,4 @@
-//! History variables of a quadrature point, and strains in the frame `P = F_p^-1` that the plastic deformation has left.
+//! History variables of a quadrature point, and strains in the frame `P = F_p^-1` of the plastic deformation so far.
 
 use super::constants::MOST_BACK_STRESSES;
 use super::logarithm::{Matrix, applied, congruence, linked, place};
@@ -159,8 +159,8 @@ impl<const FMA: bool, const S: usize> PlasticPoint<FMA, S> {
         w
     }
 
-    /// The frame after a step: `P G` with the symmetric `G` of `G Ch G = exp(2 elastic)`, where `Ch` has these stretches and the elastic
-    /// strain is along its directions.
+    /// Frame after a step: `P G` with the symmetric `G` of `G Ch G = exp(2 elastic)`. `Ch` has the given stretches; the elastic strain
+    /// `elastic` has the same principal directions.
     #[inline(always)]
     pub(super) fn moved_frame(&self, stretches: &Stretches<FMA>, elastic: &[Lanes<FMA>; S]) -> Matrix<FMA> {
         let mut root = [Lanes::ZERO; 3];
@@ -174,7 +174,7 @@ impl<const FMA: bool, const S: usize> PlasticPoint<FMA, S> {
             product[row] = inner[row] * root[i] * root[j];
         }
         let middle = matrix(&function::<FMA, S>(&product, Lanes::sqrt));
-        // G less 1 in principal directions, and turned back.
+        // `G - I` in the principal directions, then rotated back.
         let mut turned = [Lanes::ZERO; S];
         for (row, &(i, j)) in mandel_pairs::<S>().iter().enumerate() {
             let entry = middle[i][j] / (root[i] * root[j]);
@@ -202,7 +202,7 @@ impl<const FMA: bool, const S: usize> PlasticPoint<FMA, S> {
     }
 }
 
-/// A function of a symmetric tensor.
+/// Isotropic tensor function: applies `of` to the principal values of a symmetric tensor.
 #[inline(always)]
 fn function<const FMA: bool, const S: usize>(tensor: &[Lanes<FMA>; S], of: impl Fn(Lanes<FMA>) -> Lanes<FMA>) -> [Lanes<FMA>; S] {
     let PrincipalAxes { values, directions } = principal(tensor);

@@ -18,9 +18,9 @@ use crate::math::tensor::{mandel_pairs, mandel_scale};
 #[derive(Clone)]
 pub(crate) struct PlasticLaw {
     constants: ElasticPlastic,
-    /// `[stress]`.
+    /// Bulk modulus `[stress]`.
     bulk: f64,
-    /// `[stress]`.
+    /// Shear modulus `[stress]`.
     shear: f64,
 }
 
@@ -48,7 +48,7 @@ impl PlasticLaw {
         self.constants.back_stresses.len()
     }
 
-    /// Hencky's stress on a logarithmic strain.
+    /// Stress of Hencky's law for a logarithmic strain.
     #[inline(always)]
     fn elastic<const FMA: bool, const S: usize>(&self, strain: &[Lanes<FMA>; S]) -> [Lanes<FMA>; S] {
         let pressure = trace(strain) * self.bulk;
@@ -119,7 +119,7 @@ impl PlasticLaw {
         Response { stress: relabel(&stress), tangent: relabel_rows(&tangent) }
     }
 
-    /// Mean stress of the step, and its derivative with respect to `C_1`, in principal directions of the end.
+    /// Mean stress of the step, and its derivative with respect to `C_1`, in the principal directions of the end.
     #[inline(always)]
     fn of_step<const FMA: bool, const S: usize>(
         &self,
@@ -197,7 +197,7 @@ impl PlasticLaw {
         (stress, tangent)
     }
 
-    /// Hencky's modulus.
+    /// Entry `(k, l)` of the elastic stiffness of Hencky's law.
     #[inline(always)]
     fn modulus<const FMA: bool>(&self, k: usize, l: usize) -> Lanes<FMA> {
         let direct = if k < 3 && l < 3 { self.bulk - 2.0 / 3.0 * self.shear } else { 0.0 };
@@ -217,7 +217,8 @@ impl PlasticLaw {
             return Lanes::ZERO;
         }
         let [before, last] = self.stresses(&step);
-        // Stress that does the plastic work: the mean over the flow or, for stresses at the end, the stress at the end.
+        // Stress that does the plastic work: the mean of the stresses at the start and end of the flow or, with [`StressOf::End`], the
+        // stress at the end.
         let of_start = if is_end { 0.0 } else { 0.5 };
         let acting = plus(&before, Lanes::splat(of_start), &times(&last, Lanes::splat(1.0 - of_start)));
         let mut heat = dot(&acting, &flow.strain);
@@ -276,8 +277,8 @@ impl PlasticLaw {
     }
 }
 
-/// A derivative with respect to the logarithmic strain as one with respect to `C_1`, in its principal directions:
-/// `d eps_ij = ln[c_i, c_j]/2 dC_ij`.
+/// Converts a derivative with respect to the logarithmic strain into one with respect to `C_1`, in the principal directions of `C_1`: `d
+/// eps_ij = ln[c_i, c_j]/2 dC_ij`.
 #[inline(always)]
 fn by_square<const FMA: bool, const S: usize>(slopes: &[[Lanes<FMA>; S]; S], squares: &[Lanes<FMA>; 3]) -> [[Lanes<FMA>; S]; S] {
     let mut result = *slopes;

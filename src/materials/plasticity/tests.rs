@@ -92,12 +92,11 @@ where
                     (0..S).for_each(|k| change[k].0[lane] -= strain[0][k].0[lane]);
                     let work = dotted(&response[0].stress, &change, lane);
                     let defect = work - (stored[0].0[lane] - before[0].0[lane]) - heat[0].plastic.0[lane];
-                    // Round-off of strains that would have a stress of the elastic law.
+                    // Round-off relative to strains whose elastic stress would be of the order of the modulus.
                     let scale = stored[0].0[lane] + before[0].0[lane] + heat[0].plastic.0[lane] + 1e-3;
                     assert!(defect.abs() < 1e-13 * scale.max(1.0), "{constants:?} {size}: {defect:e} of {scale:e}");
-                    // A step of many yield strains with rate dependence that unloads from above the static yield stress may return a small
-                    // part of its plastic work. With rate dependence, a step of many yield strains that unloads from above the static yield
-                    // stress may return a small part of the plastic work.
+                    // With rate dependence, a step of many yield strains that unloads from above the static yield stress may return a small
+                    // part of its plastic work.
                     let least = if constants.rate == RateDependence::None { -1e-14 } else { -size * constants.yield_stress };
                     assert!(heat[0].plastic.0[lane] >= least, "{constants:?} {size}: heat {:e}", heat[0].plastic.0[lane]);
                     yielded |= heat[0].plastic.0[lane] > 0.0;
@@ -139,7 +138,7 @@ where
                     response[0].stress
                 };
                 let (up, down) = (moved(1.0), moved(-1.0));
-                // Half of the derivative with respect to the middle.
+                // The tangent of [`StressOf::Middle`] is half the derivative with respect to the strain at mid-step.
                 let share = if stress == StressOf::Middle { 0.5 } else { 1.0 };
                 for lane in 0..WIDTH {
                     let (mut off, mut scale) = (0.0f64, 0.0f64);
@@ -155,7 +154,7 @@ where
                 strain = next;
                 std::mem::swap(&mut history, &mut after);
             }
-            // Difference quotients across the yield surface are no derivatives.
+            // Difference quotients across the yield surface are no derivatives: the largest tenth of the deviations is ignored.
             wrong.sort_by(f64::total_cmp);
             let most = wrong[wrong.len() * 9 / 10];
             assert!(most < 2e-6, "{constants:?} {stress:?} {size}: {most:e}");
@@ -197,8 +196,8 @@ fn simple_shear_does_not_soften() {
     }
 }
 
-/// A shear of 1e-20 from a point on the yield surface, as by the round-off of a rigid motion, whose path through the surface ends within
-/// the step. The elastic fraction has no derivative: it would be 1e34 times an excess of 1e-15 of the plastic strain.
+/// A shear of 1e-20 from a point on the yield surface, like the round-off of a rigid motion, whose straight path leaves the elastic range
+/// within the step. The elastic fraction must have no derivative: it would be 1e34 times an excess of 1e-15 of the plastic strain.
 #[test]
 fn round_off_on_the_yield_surface_has_no_elastic_share_with_a_slope() {
     let law = steel();

@@ -1,7 +1,7 @@
 //! Tolerances of friction and of impacts.
 
-/// Augmentation of tangential constraints (multiplier per slip) relative to that of normal constraints (multiplier per gap), which decides
-/// between stick and slip in an iteration. With 1 steps near rest are halved, with 0.01 none is.
+/// Augmentation of tangential constraints (multiplier per slip) relative to that of normal constraints (multiplier per gap); it decides
+/// between stick and slip in an iteration. With 1, steps near rest had to be halved; with 0.01, none.
 pub const TANGENTIAL: f64 = 0.01;
 
 /// Least multiplier per slip of the trial multiplier in space, relative to the node's stiffness in the step: of 60 random rigid bodies with
@@ -22,53 +22,54 @@ pub const SLIP_ROUND_OFF: f64 = 1e-2;
 /// with 1e8 round-off of gaps becomes noise of multipliers.
 pub const RIGID_AUGMENTATION: f64 = 1e3;
 
-/// Compliance of a contact constraint, relative to that of its node, above which it decreases from iteration to iteration while the active
-/// set is unchanged.
+/// Compliance of a contact constraint, relative to that of its node, above which the compliance decreases from iteration to iteration while
+/// the active set is unchanged.
 pub const LARGE_COMPLIANCE: f64 = 1e-5;
 
-/// Remaining share of a compliance above [`LARGE_COMPLIANCE`] after its decrease. With a share of 1, errors of the multipliers of an arch
-/// of 25 rigid stones decrease by a factor of 0.7 per iteration; with 0.1, pressures under a flat rigid face are uniform to 1.2e-9 only.
+/// Smallest ratio of a compliance above [`LARGE_COMPLIANCE`] to its initial value after decreases. With a ratio of 1, errors of the
+/// multipliers of an arch of 25 rigid stones decrease by 0.7 per iteration; with 0.1, pressures under a flat rigid face are uniform to
+/// 1.2e-9 only.
 pub const LEAST_EASED: f64 = 0.25;
 
 /// Augmentation of a sticking tangential constraint whose node is already fully constrained.
 pub const SHARED_AUGMENTATION: f64 = 100.0;
 
-/// Remaining share of the tangential compliance of a sticking constraint whose node is already fully constrained, while the active set is
-/// unchanged; with zero compliance the constraints would be linearly dependent.
+/// Smallest ratio of the tangential compliance of a sticking constraint at a fully constrained node to its initial value, while the active
+/// set is unchanged; with zero compliance the constraints would be linearly dependent.
 pub const LEAST_YIELDING: f64 = 1e-4;
 
-/// Change of a gap in a sweep over the contact constraints of an explicit step, relative to the largest gap to be closed, below which the
-/// sweeps end; the next step corrects the rest.
+/// Change of a gap in a Gauss-Seidel sweep over the contact constraints of an explicit step, relative to the largest gap to be closed,
+/// below which the sweeps end; the next step corrects the rest.
 pub const PUSHED: f64 = 1e-12;
 
-/// Change of a rate in a sweep over the contacts of an impact, relative to the largest change by one impulse, below which the sweeps end:
-/// the energy defect must stay below 1e-11.
+/// Change of a normal velocity in a Gauss-Seidel sweep over the contacts of an impact, relative to the largest change by one impulse, below
+/// which the sweeps end: the energy defect must stay below 1e-11.
 pub const IMPULSE: f64 = 1e-15;
 
-/// Slip rate of an impact that counts as zero, relative to the largest rate; also the relative tolerance of the friction cone.
+/// Slip velocity of an impact that counts as zero, relative to the largest velocity; also the relative tolerance of the friction cone.
 pub const IMPACT_SLIP: f64 = 1e-12;
 
-/// Kinetic energy of a common motion of all bodies, relative to the model's energy, below which closed rigid sides that approach do not
-/// collide. Without it a box of 81 nodes at rest on a plane takes minutes with adaptive steps.
+/// Kinetic energy of a common motion of all bodies, relative to the model's energy, below which approaching closed contacts of rigid bodies
+/// cause no impact. Without this limit a box of 81 nodes at rest on a plane takes minutes with adaptive steps.
 pub const IMPACT_FLOOR: f64 = 1e-17;
 
-/// Apparent energy gain of an impact, relative to the energy of its compression, that is round-off.
+/// Apparent energy gain of an impact, relative to the energy of its compression phase, that is round-off.
 pub const IMPACT_ENERGY: f64 = 1e-12;
 
-/// Relative distance of a shear stress from its limit within which the constraint is reported as slipping.
+/// Relative distance of the shear stress from the friction limit within which the constraint is reported as slipping.
 pub const ON_CONE: f64 = 1e-6;
 
-/// Round-off of gaps relative to positions: contact forces times this, times the size of the model, is an energy that no iteration
-/// reduces. Bodies at rest have less energy of their own in small steps (`tests/scripts/rigid_friction_in_space.rhai`).
+/// Round-off of gaps relative to positions. Contact force times this times the model size is an energy that no iteration can reduce; bodies
+/// at rest have less energy of their own in small steps (`tests/scripts/rigid_friction_in_space.rhai`).
 pub const CONTACT_ROUND_OFF: f64 = 4e-15;
 
-/// Proximal term of contact conditions that depend on one another exactly, relative to the compliance of their nodes: each iteration
-/// reduces the remaining violation to about this fraction.
+/// Proximal regularization of exactly dependent contact constraints, relative to the compliance of their nodes: each iteration reduces the
+/// remaining violation to about this fraction.
 pub const PROXIMAL_OF_DEPENDENT: f64 = 1e-3;
 
-/// Work of a force relative to the force times the size of the model that is round-off of positions: bodies at rest under large forces have
-/// no other work (`tests/scripts/rest.rhai`).
+/// Work of a force, relative to the force times the model size, that is round-off of positions: bodies at rest under large forces do no
+/// other work (`tests/scripts/rest.rhai`).
 pub const WORK_ROUND_OFF: f64 = 2e-15;
 
-/// Energy of the bodies relative to the one that loads give them in a step, up to which they count as still.
+/// Kinetic plus strain energy, relative to the energy that loads add in one step, up to which the bodies count as standing still.
 pub const HARDLY_MOVED: f64 = 1e-6;

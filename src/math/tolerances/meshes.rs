@@ -25,10 +25,10 @@ pub const PIERCED: f64 = 1e-6;
 /// generator.
 pub const PLANE: f64 = 1e-12;
 
-/// Distance of a point from the place that reference coordinates give, relative to the cell, at which Newton's method has found them.
+/// Residual position error, relative to the cell, at which Newton's method for the reference coordinates of a point has converged.
 pub const LOCATED: f64 = 1e-14;
 
-/// Distance from the reference cell up to which reference coordinates are inside: points on a side that neighbors share.
+/// Distance from the reference cell up to which reference coordinates count as inside, for points on a side that neighbors share.
 pub const INSIDE_CELL: f64 = 1e-9;
 
 /// Offset of a mid-side node from the chord, relative to the chord, below which the edge counts as straight: round-off of mesh files with

@@ -3,14 +3,14 @@
 /// Relative excess of a stress over the yield stress that is round-off: the point remains elastic.
 pub const ON_THE_YIELD_SURFACE: f64 = 1e-13;
 
-/// Relative excess of a squared stress over the squared yield stress above which a step starts outside the yield surface, as rate
-/// dependence permits. Round-off of a step that ended on the surface is far below; otherwise it would cause flow during unloading.
+/// Relative excess of the squared stress over the squared yield stress above which a step starts outside the yield surface, as rate
+/// dependence permits. Steps that ended on the surface have a far smaller round-off excess, which must not cause flow during unloading.
 pub const OUTSIDE_THE_YIELD_SURFACE: f64 = 1e-9;
 
 /// Residual of the yield condition, relative to the stresses, at which the iteration for the plastic multiplier ends.
 pub const PLASTIC_MULTIPLIER: f64 = 1e-14;
 
-/// Smallest fraction of a step for plastic flow: below it no flow rate is defined.
+/// Smallest fraction of a step with plastic flow; for smaller fractions no flow rate is defined.
 pub const LEAST_FLOW_SHARE: f64 = 1e-12;
 
 /// Strain increment relative to the yield strain below which the weight `theta` of `flow.rs` is a series: truncation error 1e-15.

@@ -7,8 +7,10 @@ pub const ROUND_PART: f64 = 1e-6;
 /// radius is round-off.
 pub const ROUND_PART_TURN: f64 = 1e-3;
 
-/// Height of a tilted rim relative to its radius below which it lies flat, twelve degrees: contact is then at its nodes.
+/// Height of a tilted cylinder rim over an obstacle, relative to the radius (sine of the tilt), below which the end face counts as lying
+/// flat, twelve degrees: contact then acts at its nodes.
 pub const RIM_FLAT: f64 = 0.2;
 
-/// Least height relative to the radius of a rim that becomes flat within a step: at zero the height has a cusp.
+/// Smallest height, relative to the radius, of a cylinder rim that becomes flat within a step: the height as a function of the axis
+/// direction has a cusp at zero.
 pub const RIM_LEAST: f64 = 1e-3;

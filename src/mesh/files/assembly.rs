@@ -59,8 +59,8 @@ pub(super) fn assemble(mut tables: Tables, options: &ReadOptions) -> Result<(Mes
     Ok((mesh, notes))
 }
 
-/// Handles shells: on solid cells they are facets, beside plane cells they are left out, and without other cells they are refused or read
-/// as plane cells.
+/// Decides the treatment of shells: on solid cells they are facets, beside plane cells they are left out, and without other cells they are
+/// refused or read as plane cells, by the options.
 fn settle_structural(tables: &mut Tables, options: &ReadOptions) -> Result<(), MeshError> {
     let [has_plane, has_solid] = [2, 3].map(|dimension| {
         tables.elements.iter().any(|(shape, elements)| {
@@ -87,7 +87,7 @@ fn settle_structural(tables: &mut Tables, options: &ReadOptions) -> Result<(), M
     Ok(())
 }
 
-/// Tables in which elements that are neither cells nor facets are counted as left out, unless this is refused.
+/// Tables after elements that are neither cells nor facets were counted as left out; an error if the options refuse such elements.
 fn leave_out_strays(mut tables: Tables, strays: &[(Shape, Place)], options: &ReadOptions) -> Result<Tables, MeshError> {
     strays.iter().for_each(|&(shape, at)| tables.leave_out(shape, 1, at));
     match tables.left_out.iter().next() {
@@ -151,7 +151,7 @@ fn cells(kinds: &[CellKind], tables: &Tables, numbering: &Numbering) -> Result<(
     let (mut origins, mut turned) = (Vec::<Origin>::new(), HashSet::new());
     let mut parts: BTreeMap<u64, Vec<u32>> = BTreeMap::new();
     let blocks = || kinds.iter().filter_map(|&kind| Some((kind, tables.elements.get(&Shape::Cell(kind))?)));
-    // MSH 2.2 repeats a cell for each of its physical groups
+    // MSH 2.2 lists a cell once for each of its physical groups.
     let mut known: HashMap<CellKey, u32> = HashMap::with_capacity(blocks().map(|(_, elements)| elements.numbers.len()).sum());
     let mut members: HashSet<(u64, u32)> = HashSet::new();
     let mut indices = Vec::new();
@@ -220,7 +220,7 @@ fn attach_boundaries(mesh: &mut Mesh, tables: &Tables, numbering: &Numbering) ->
     }
     for facet in mesh.facets() {
         if let Some(found) = sides.get_mut(&facet_key(mesh.facet_nodes(facet))) {
-            // a third side is found by the check of the mesh
+            // A third cell at a facet is reported later by the check of the mesh.
             if let Some(free) = found.iter_mut().find(|side| side.is_none()) {
                 *free = Some(facet);
             }
@@ -301,7 +301,7 @@ fn attach_edges_and_points(mesh: &mut Mesh, tables: &Tables, numbering: &Numberi
     Ok(())
 }
 
-/// Takes over the nodes of cells in their order; returns their indices in the node table.
+/// Copies the nodes that cells use into the mesh, in the order of the table; returns their indices in the node table.
 fn take_used_nodes(mesh: &mut Mesh, tables: &Tables) -> Vec<u32> {
     let mut new_index = vec![u32::MAX; tables.points.len()];
     mesh.connectivity().for_each(|node| new_index[node as usize] = 0);

@@ -1,8 +1,8 @@
-//! Cells with repeated nodes: hexahedra that are wedges, pyramids or tetrahedra, wedges that are pyramids or tetrahedra, quadrilaterals
-//! that are triangles. They become cells of the kind that they are.
+//! Cells with repeated nodes, read as cells of a smaller kind: hexahedra as wedges, pyramids or tetrahedra, wedges as pyramids or
+//! tetrahedra, quadrilaterals as triangles.
 //!
-//! Edges of equal nodes vanish, and facets that are left with fewer corners than a facet has. A kind whose oriented facets are the ones
-//! that remain is the kind of the cell. A hexahedron with one collapsed edge has seven corners and is no kind of cell here.
+//! Edges between equal nodes vanish, and so do facets with fewer than three corners left (two in the plane). The cell is of the kind whose
+//! oriented facets are the remaining ones. A hexahedron with one collapsed edge has seven corners and corresponds to no supported kind.
 
 use std::collections::HashMap;
 
@@ -22,7 +22,7 @@ pub(super) struct Collapse {
     pub facets: Vec<Option<u8>>,
 }
 
-/// Place of the first node that is equal, for each node.
+/// For each entry of a cell's node list, the position of the first entry with the same node number.
 pub(super) fn first_places(nodes: &[u64]) -> Vec<usize> {
     nodes.iter().map(|node| nodes.iter().position(|other| other == node).unwrap_or_default()).collect()
 }
@@ -55,7 +55,7 @@ fn facets(kind: CellKind, number: impl Fn(usize) -> usize) -> Option<Vec<Vec<usi
     kind.facets().iter().map(|facet| cycle(facet[..count(facet)].iter().map(|&corner| number(corner)).collect())).collect()
 }
 
-/// Orders the items from `fixed` on so that a condition is fulfilled, if there is such an order.
+/// Permutes the items from index `fixed` on until `fits` holds; returns false if no permutation satisfies it.
 fn arrange(items: &mut [usize], fixed: usize, fits: &impl Fn(&[usize]) -> bool) -> bool {
     if fixed == items.len() {
         return fits(items);
@@ -100,8 +100,8 @@ impl Collapse {
     }
 }
 
-/// Middle node of each edge between two of the remaining corners; `None` if a collapsed edge has a middle node of its own, or two edges
-/// that have become one have different ones.
+/// Mid-side node of each edge between two remaining corners; `None` if a collapsed edge has a separate mid-side node, or if two merged
+/// edges have different ones.
 fn middles(written: CellKind, first: &[usize]) -> Option<HashMap<[usize; 2], usize>> {
     let mut middles = HashMap::new();
     if written.is_quadratic() {

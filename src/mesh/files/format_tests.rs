@@ -75,7 +75,7 @@ fn version_4(is_little: bool) -> Vec<u8> {
     file.sizes(&[3, 1, 2, 3]);
     for point in &POINTS[..3] {
         file.reals(point);
-        // its place on the curve
+        // A parametric node: coordinates, then its parameter on the curve.
         file.reals(&point[..1]);
     }
     file.ints(&[2, 1, 0]);
@@ -217,7 +217,7 @@ fn sides_of_solid_cells_have_the_order_of_the_format() {
         writeln!(text, "*SURFACE, NAME=side{side}\n1, S{side}").unwrap();
     }
     let read = read_mesh_bytes(text.as_bytes()).unwrap();
-    // S1 and S2 are the faces of the first and last four nodes, S3 to S6 follow in order from the one of nodes 1, 5, 6, 2
+    // S1 and S2 are the faces of the first and last four nodes, S3 to S6 follow in order from the face of the nodes 1, 5, 6, 2.
     for (side, place) in (1..).zip(["back", "front", "bottom", "right", "top", "left"]) {
         assert_eq!(read.boundary(&format!("side{side}")).unwrap().facets, mesh.boundary(place).unwrap().facets, "S{side}");
     }
@@ -225,7 +225,7 @@ fn sides_of_solid_cells_have_the_order_of_the_format() {
 
 #[test]
 fn solid_files_have_their_surfaces_sets_and_parts_in_place() {
-    // two tetrahedra on both sides of the triangle 1, 2, 3
+    // Two tetrahedra on both sides of the triangle 1, 2, 3.
     let tetrahedra = "*NODE\n1, 0, 0, 0\n2, 1, 0, 0\n3, 0, 1, 0\n4, 0, 0, 1\n5, 0, 0, -1\n9, 7, 7, 7\n*ELEMENT, TYPE=C3D4, ELSET=above\n\
          10, 1, 2, 3, 4\n*ELEMENT, TYPE=C3D4, ELSET=below\n20, 1, 3, 2, 5\n*SURFACE, NAME=s1\n10, S1\n*SURFACE, NAME=s2\n10, S2\n\
          *SURFACE, NAME=s3\n10, S3\n*SURFACE, NAME=s4\n10, S4\n*SURFACE, NAME=lower\nbelow, S3\nbelow, S2\n*SURFACE, NAME=skin\n\
@@ -239,7 +239,7 @@ fn solid_files_have_their_surfaces_sets_and_parts_in_place() {
         };
         facets.iter().map(middle).collect()
     };
-    // S1 to S4 are the faces 123, 142, 243, 341 (sums of their corners)
+    // Sides S1 to S4 of a tetrahedron are the faces 123, 142, 243, 341; expected are the sums of their corners.
     assert_eq!(middles("s1"), [[1.0, 1.0, 0.0]]);
     assert_eq!(middles("s2"), [[1.0, 0.0, 1.0]]);
     assert_eq!(middles("s3"), [[1.0, 1.0, 1.0]]);
@@ -250,14 +250,14 @@ fn solid_files_have_their_surfaces_sets_and_parts_in_place() {
     assert_eq!(mesh.parts, [("above".to_string(), vec![0]), ("below".to_string(), vec![1])]);
     let below = mesh.part("below").unwrap();
     assert_eq!((below.cell_count(), below.boundary("lower").unwrap().facets.len(), below.surface_defects()), (1, 2, Vec::new()));
-    // reflected: all cells, or one of two
+    // Reversed node order in one of two cells, then in all cells.
     let mirrored = tetrahedra.replace("10, 1, 2, 3, 4", "10, 1, 3, 2, 4");
     let error = read_mesh_bytes(mirrored.as_bytes()).unwrap_err();
     assert_eq!(error.to_string(), "cell 10 at (0.25, 0.25, 0.25) is inside out: its Jacobian determinant is -1 (1 of 2 cells are)");
     assert!(error.line() == Some(9) && error.hint().contains("counter-clockwise as seen from the others: write"), "{}", error.hint());
     let all = mirrored.replace("20, 1, 3, 2, 5", "20, 1, 2, 3, 5");
     assert!(read_mesh_bytes(all.as_bytes()).unwrap_err().hint().contains("all cells are mirrored"));
-    // two hexahedra, with a set of both on top: S2 is the face of the last four nodes
+    // Two hexahedra with a set of both as the top side: S2 is the face of the last four nodes.
     let hexahedra = "*NODE\n1, 0, 0, 0\n2, 1, 0, 0\n3, 1, 1, 0\n4, 0, 1, 0\n5, 0, 0, 1\n6, 1, 0, 1\n7, 1, 1, 1\n8, 0, 1, 1\n\
          11, 2, 0, 0\n12, 2, 1, 0\n13, 2, 0, 1\n14, 2, 1, 1\n*ELEMENT, TYPE=C3D8R, ELSET=all\n1, 1, 2, 3, 4, 5, 6, 7,\n8\n\
          2, 2, 11, 12, 3, 6, 13, 14, 7\n*SURFACE, NAME=top\nall, S2\n*SURFACE, NAME=ends\n1, S6\n2, S4\n*SURFACE, NAME=skin\nall,\n";
@@ -329,7 +329,7 @@ fn what_is_wrong_with_an_input_file_is_said_with_its_line() {
     let nodes_only = "*NODE\n1, 0., 0.\n";
     let error = read_mesh_bytes(nodes_only.as_bytes()).unwrap_err();
     assert_eq!(error, FileError { at: Place::Line(2), problem: MissingSection { section: "*ELEMENT" } }.into());
-    // a set that contains itself has its other members, and a range takes no memory
+    // A set that contains itself has its other members only, and a range takes no memory for its numbers.
     let text = SQUARES.replace("left, RIGHT", "left, again").replace("1, 3\n", "1, 18446744073709551615\n");
     assert_eq!(read_mesh_bytes(text.as_bytes()).unwrap().parts[3].1, [0]);
 }

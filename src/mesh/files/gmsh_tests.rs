@@ -164,14 +164,14 @@ fn both_versions_give_the_same_mesh() {
         assert_eq!(mesh.only_kind(), Some(CellKind::Quad4));
         assert_eq!(mesh.points, [[0., 0., 0.], [1., 0., 0.], [2., 0., 0.], [0., 1., 0.], [1., 1., 0.], [2., 1., 0.]]);
         assert_eq!(mesh.blocks[0].connectivity, [0, 1, 4, 3, 1, 2, 5, 4]);
-        // unnamed groups are called by their number
+        // The name of an unnamed group is its number.
         assert_eq!(mesh.parts, [("left body".to_string(), vec![0]), ("2".to_string(), vec![1])]);
         let facet = |cell, local| Facet { cell, local };
         assert_eq!(
             mesh.boundaries,
             [
                 Boundary::of_facets("low", vec![facet(0, 0), facet(1, 0)]),
-                // between the two cells: both sides
+                // A facet between two cells is listed for both cells.
                 Boundary::of_facets("8", vec![facet(0, 1), facet(1, 3)]),
             ]
         );
@@ -210,7 +210,7 @@ fn a_solid_mesh_comes_back_as_it_was() {
     let expected = block([2.0, 1.0, 1.0], [2, 1, 1], [0.0; 3]).unwrap();
     let mesh = read_gmsh(&solid_text()).unwrap();
     assert_eq!((&mesh.points, &mesh.blocks), (&expected.points, &expected.blocks));
-    // and the nodes of a curve
+    // The nodes of a curve are a boundary of nodes.
     let curve = Boundary { name: "1".into(), facets: Vec::new(), nodes: vec![0, 1] };
     assert_eq!(mesh.boundaries, [&expected.boundaries[..], &[curve]].concat());
     assert_eq!(mesh.parts, [("block".to_string(), vec![0, 1])]);
@@ -218,7 +218,7 @@ fn a_solid_mesh_comes_back_as_it_was() {
 
 #[test]
 fn tetrahedra_have_their_physical_surfaces_of_triangles() {
-    // a cube of five tetrahedra, its sides at x = 0 and z = 1 as physical surfaces, one tetrahedron as a volume of its own
+    // Cube of five tetrahedra, with its sides at x = 0 and z = 1 as physical surfaces, and one tetrahedron as a separate volume.
     let text = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n4\n2 1 \"wall\"\n2 2 \"roof\"\n\
          3 3 \"rest\"\n3 4 \"core\"\n$EndPhysicalNames\n$Nodes\n8\n1 0 0 0\n2 1 0 0\n3 1 1 0\n\
          4 0 1 0\n5 0 0 1\n6 1 0 1\n7 1 1 1\n8 0 1 1\n$EndNodes\n$Elements\n9\n\
@@ -235,7 +235,7 @@ fn tetrahedra_have_their_physical_surfaces_of_triangles() {
     let core = mesh.part("core").unwrap();
     assert!((core.measure() - 1.0 / 3.0).abs() < 1e-15 && core.boundaries.is_empty());
     assert_eq!(mesh.part("rest").unwrap().cell_count(), 4);
-    // the normal of a facet follows from its cell, independent of the order of the triangle in the file
+    // The normal of a facet follows from its cell, independent of the node order of the triangle in the file.
     for facet in &mesh.boundary("roof").unwrap().facets {
         let [a, b, c] = <[u32; 3]>::try_from(mesh.facet_nodes(*facet).collect::<Vec<_>>()).unwrap().map(|node| mesh.points[node as usize]);
         assert!((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]) > 0.0);
@@ -250,7 +250,7 @@ fn a_cell_in_two_groups_is_one_cell() {
     assert_eq!(mesh.parts, [("left body".to_string(), vec![0, 1]), ("2".to_string(), vec![1])]);
     let entity = SQUARES_4.replace("2 1 0 0 2 1 0 1 2 1 1", "2 1 0 0 2 1 0 2 2 1 1 1");
     assert_eq!(read_gmsh(&entity).unwrap().parts, mesh.parts);
-    // twice in one group is an overlap
+    // A cell listed twice in one group is an overlap.
     let twice = SQUARES_2.replace("$Elements\n7\n", "$Elements\n8\n").replace("$EndElements", "8 3 2 2 2 2 3 16 15\n$EndElements");
     assert_eq!(read_gmsh(&twice).unwrap_err(), in_line(line_of(&twice, "8 3 2 2 2"), DuplicateCell { cell: 8, first: 7 }));
 }
@@ -281,7 +281,7 @@ fn other_formats_are_recognized() {
 #[test]
 fn every_truncation_is_an_error_with_a_line() {
     for text in [SQUARES_2, SQUARES_4, &solid_text()] {
-        // the last line may have no line break
+        // Truncation at the last character is valid: the last line may have no line break.
         for end in 0..text.len() - 1 {
             let error = read_gmsh(&text[..end]).expect_err("truncated");
             let line = error.line().unwrap_or_else(|| panic!("{error}"));
@@ -307,7 +307,7 @@ fn missing_and_repeated_sections_are_named() {
             let error = without(text, name).unwrap_err();
             assert!(matches!(problem(error), MissingSection { section } if section.strip_prefix('$') == Some(name)), "{name}");
         }
-        // groups without names are called by their numbers
+        // The name of a group without a name is its number.
         assert_eq!(without(text, "PhysicalNames").unwrap().parts[0].0, "1");
     }
     assert!(matches!(problem(without(SQUARES_4, "Entities").unwrap_err()), MissingSection { section: "$Entities" }));
@@ -335,7 +335,7 @@ fn absurd_counts_take_no_memory() {
         let error = refusal(text, from, &to);
         assert!(matches!(problem(error), Count { .. } | Malformed { .. }), "{to}");
     }
-    // a node number for which a table would have 2^64 entries
+    // A node number so large that a dense table would have 2^64 entries.
     let text = SQUARES_2.replace("99", &huge);
     assert_eq!(read_gmsh(&text).unwrap().points.len(), 6);
     assert_eq!(refusal(SQUARES_2, "$Nodes\n7", "$Nodes\n8").to_string(), "section $Nodes announces 8 entries but has 7");
@@ -355,7 +355,7 @@ fn wrong_numbers_are_refused_in_their_line() {
     let bow = Collapsed { element: 7, kind: "quad4", node: 2, smaller: vec!["tri3"] };
     assert_eq!(refusal(SQUARES_2, "2 3 16 15", "2 3 2 15"), in_line(28, bow));
     assert_eq!(refusal(SQUARES_2, "1 1 0\n16", "1 1 1e-3\n16"), in_line(16, NotPlane { node: 15, z: 1e-3 }));
-    // the unused node may be at any place
+    // Only used nodes must lie in the plane z = 0.
     assert!(read_gmsh(&SQUARES_2.replace("99 5 5 0", "99 5 5 7")).is_ok());
     for (text, from, to) in [
         (SQUARES_2, "15 1 1 0", "15 1 1"),
@@ -383,13 +383,13 @@ fn wrong_numbers_are_refused_in_their_line() {
 fn clockwise_cells_are_reversed_and_crossed_ones_are_an_error_with_place_and_cure() {
     let text = SQUARES_2.replace("2 3 16 15", "2 15 16 3");
     let mesh = read_gmsh(&text).unwrap();
-    // the first node is kept, and the boundary below has its facets
+    // A reversed cell keeps its first node, and the boundary below keeps its facets.
     assert_eq!((mesh.cell(1), mesh.measure()), (&[1, 2, 5, 4][..], 2.0));
     assert_eq!(mesh.boundaries, read_gmsh(SQUARES_2).unwrap().boundaries);
     let one = refusal(SQUARES_2, "2 3 16 15", "2 3 15 16");
     assert_eq!((one.line(), one.hint().starts_with("mend the mesh there")), (Some(28), true));
     assert!(one.to_string().starts_with("cell 7 at (1.5, 0.5) is inside out: its Jacobian determinant is -"), "{one}");
-    // all four nodes on the line x = 1
+    // A cell whose four nodes all lie on the line x = 1.
     let flat = refusal(&SQUARES_2.replace("3 2 0 0", "3 1 0.3 0"), "16 2 1 0", "16 1 0.6 0");
     assert!(matches!(flat, MeshError::DegenerateCell { at: Some(Place::Line(28)), cell: 7, .. }), "{flat:?}");
 }

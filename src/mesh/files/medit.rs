@@ -33,7 +33,7 @@ pub(super) fn begins(content: &[u8]) -> bool {
     lines.find(|line| !line.starts_with(b"#")).is_some_and(|line| line.starts_with(keyword))
 }
 
-/// The content of a file.
+/// Reads the tables of vertices and elements from the content of a MEDIT file.
 pub(super) fn read(content: &[u8]) -> Result<Tables, MeshError> {
     let mut words = Words::new(utf8(content)?, '#');
     let (mut tables, mut dimension, mut number) = (Tables::default(), 3, 0);

@@ -128,7 +128,7 @@ fn each_card(text: &str, mut take: impl FnMut(Card) -> Result<(), MeshError>) ->
         if name.is_empty() || name.starts_with(['+', '*']) {
             last.iter_mut().for_each(|card| card.fields.extend_from_slice(&fields));
         } else {
-            // `BEGIN BULK` and lines before it are ignored as unknown cards
+            // `BEGIN BULK` and the lines before it are ignored like unknown cards.
             let card = Card { name: name.trim_end_matches('*').trim().into(), fields, at: Place::Line(number) };
             last.replace(card).map_or(Ok(()), &mut take)?;
         }
@@ -136,7 +136,7 @@ fn each_card(text: &str, mut take: impl FnMut(Card) -> Result<(), MeshError>) ->
     last.map_or(Ok(()), take)
 }
 
-/// The content of a file.
+/// Reads the tables of nodes, cells and constrained node sets from the content of a Nastran bulk data file.
 pub(super) fn read(content: &[u8]) -> Result<Tables, MeshError> {
     let (mut tables, mut held) = (Tables::default(), BTreeMap::new());
     each_card(utf8(content)?, |card| match card.name.as_str() {
@@ -175,7 +175,7 @@ fn cell(card: &Card, tables: &mut Tables, [first, second]: [CellKind; 2], is_she
     let fields = |range: std::ops::Range<usize>| range.filter(|&k| !card.field(2 + k).is_empty()).count();
     let kind = match fields(first.nodes()..second.nodes()) {
         0 => first,
-        // numbers after the corners of shells may be angles and thicknesses
+        // Further numbers after the corners of these shells may be angles and thicknesses, no nodes.
         _ if is_shell && matches!(card.name.as_str(), "CTRIA3" | "CQUAD4" | "CTRIAR" | "CQUADR") => first,
         all if all == second.nodes() - first.nodes() => second,
         _ => {
@@ -222,7 +222,7 @@ fn constraint(card: &Card, held: &mut BTreeMap<u64, Held>) -> Result<(), MeshErr
     Ok(())
 }
 
-/// Boundaries of the constrained nodes; of a range those that exist.
+/// Boundaries of the constrained nodes; a range contributes only the nodes that exist.
 fn held_nodes(held: BTreeMap<u64, Held>, tables: &Tables) -> Vec<NodeSet> {
     let nodes = |(first, last): (u64, u64)| match first == last {
         true => vec![first],

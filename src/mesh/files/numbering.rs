@@ -19,7 +19,7 @@ impl Numbering {
     pub fn new(tables: &Tables) -> Result<Numbering, MeshError> {
         let numbers = &tables.node_numbers;
         let greatest = numbers.iter().max().copied().unwrap_or(0);
-        // the size of the table is limited by the number of nodes, not by their numbers
+        // The size of the table is limited by the number of nodes, not by the values of their numbers.
         let mut numbering = match usize::try_from(greatest) {
             Ok(greatest) if greatest / 4 <= numbers.len() => Numbering::Dense(vec![u32::MAX; greatest + 1]),
             _ => Numbering::Sparse(HashMap::new()),

@@ -45,14 +45,14 @@ pub enum FileNote {
     Turned {
         /// Number of reversed cells.
         count: usize,
-        /// Number of the first of them in the file.
+        /// Number of the first reversed cell in the file.
         first: u64,
     },
     /// Lines of elements have more numbers than the elements have nodes; surplus numbers were left out.
     LongLines {
-        /// Number of these elements.
+        /// Number of elements with surplus numbers.
         count: usize,
-        /// Number of the first of them in the file.
+        /// Number in the file of the first element with surplus numbers.
         first: u64,
     },
     /// Node sets of second-order faces contain corners only; the whole faces were used.
@@ -61,18 +61,18 @@ pub enum FileNote {
     WithoutCells(String),
     /// Nodes in faces and middles of cells were left out.
     FaceNodes {
-        /// Number of these cells and facets.
+        /// Number of cells and facets with nodes in faces or middles.
         count: usize,
         /// Number in the file of the first cell or facet with such nodes.
         first: u64,
     },
     /// Arrays of results were left out: their names.
     Arrays(Vec<String>),
-    /// Cells with repeated nodes became cells of the kind that they are.
+    /// Cells with repeated nodes became cells of a kind with fewer corners, such as wedges in place of hexahedra.
     Collapsed {
-        /// Kinds as written and as read, with the number of these cells.
+        /// For each pair of kinds, as written and as read: the kinds and the number of cells.
         counts: Vec<(&'static str, &'static str, usize)>,
-        /// Smallest number of such a cell in the file.
+        /// Smallest number in the file of a cell with repeated nodes.
         first: u64,
     },
 }

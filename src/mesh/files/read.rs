@@ -59,7 +59,7 @@ fn other_format(found: &'static str) -> MeshError {
     FileError { at: Place::Line(1), problem: FileProblem::OtherFormat { found } }.into()
 }
 
-/// The content of a file.
+/// Reads the bytes of the file at `path`.
 fn content_of(path: &Path) -> Result<Vec<u8>, MeshError> {
     files::read(path).map_err(|error| {
         let problem = FileProblem::Unreadable { path: path.into(), reason: error.to_string() };

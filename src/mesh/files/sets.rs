@@ -52,9 +52,9 @@ pub(super) fn attach_surfaces(
             let Some(local) = facet_of_side(written, side) else {
                 return fail(FileProblem::UnknownSide { name: surface.name.clone(), side: format!("S{side}"), kind: written.name() });
             };
-            // a side that has become an edge or a point has no area
+            // A side that has collapsed to an edge or a point has no area and is left out.
             let Some(local) = collapse.map_or(Some(local), |collapse| collapse.facets[usize::from(local)]) else { continue };
-            // the sides of a plane cell that was reversed are met in the opposite order
+            // A reversed plane cell has its sides in the opposite order.
             let last = kind.facets().len() as u8 - 1;
             facets.push(Facet { cell, local: if reversed.contains(&cell) { last - local } else { local } });
         }
@@ -99,11 +99,11 @@ pub(super) fn attach_node_sets(
         let facets: Vec<Facet> = hull.iter().filter(|&&facet| mesh.facet_nodes(facet).all(|node| is_inside(&node))).copied().collect();
         let covered: HashSet<u32> = facets.iter().flat_map(|&facet| mesh.facet_nodes(facet)).collect();
         let nodes: Vec<u32> = members.into_iter().filter(|node| !covered.contains(node)).collect();
-        // nodes without cells, such as reference points, are left out
+        // Sets of nodes without cells, such as reference points, are left out.
         if facets.is_empty() && nodes.is_empty() {
             continue;
         }
-        // programs that write an element group may repeat its nodes under the same name
+        // Some programs repeat the nodes of an element group under the group's name; such a set is left out.
         let own = Boundary { name: set.name.clone(), facets, nodes };
         if mesh.boundary(&set.name).is_some_and(|known| mesh.boundary_nodes(known) == mesh.boundary_nodes(&own)) {
             continue;

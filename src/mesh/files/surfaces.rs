@@ -115,7 +115,7 @@ fn obj(text: &str) -> Result<Triangles, MeshError> {
                 let mut corners = Vec::new();
                 for word in words {
                     let number: Option<i64> = word.split('/').next().and_then(|number| number.parse().ok());
-                    // Counted from 1, or back from the last one.
+                    // Points are counted from 1, or backwards from the last point by negative numbers.
                     let place = number.map(|number| if number < 0 { points.len() as i64 + number } else { number - 1 });
                     match place {
                         Some(place) if (0..points.len() as i64).contains(&place) => corners.push(place as u32),
@@ -148,7 +148,7 @@ mod tests {
     fn the_same_triangle_in_three_formats() {
         let expected = (vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.5]], vec![[0, 1, 2]]);
         assert_eq!(read_surface_bytes(TEXT.as_bytes()).unwrap(), expected);
-        // A binary file whose head begins like a text.
+        // Binary file whose header begins like a text file.
         let mut binary = b"solid".to_vec();
         binary.resize(80, b' ');
         binary.extend(1_u32.to_le_bytes());

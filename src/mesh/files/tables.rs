@@ -84,7 +84,7 @@ pub(super) struct NodeSet {
     pub nodes: Vec<u64>,
 }
 
-/// The content of a file, not yet connected.
+/// Nodes, elements, groups and sets as read from a mesh file, by their numbers in the file, before a mesh is built from them.
 #[derive(Clone, Default)]
 pub(super) struct Tables {
     /// True if places are byte offsets, not lines.
@@ -102,31 +102,31 @@ pub(super) struct Tables {
     pub node_sets: Vec<NodeSet>,
     /// Start of the elements.
     pub elements_begin: Option<Place>,
-    /// Elements with a shape that are no cells, such as shells, by their numbers.
+    /// Structural elements: elements with a shape that are no cells, such as shells, by their numbers.
     pub structural: HashSet<u64>,
-    /// Name of the type of these elements by shape, and its place.
+    /// For each shape of structural elements, the name of a type and its place.
     pub structural_types: BTreeMap<Shape, (String, Place)>,
-    /// True if lines among these elements are beams.
+    /// True if lines among the structural elements are beams.
     pub has_beams: bool,
-    /// Elements without a shape that are left out: their number by type, and the place of the first.
+    /// Left-out elements without a shape: for each type, their count and the place of the first.
     pub left_out: BTreeMap<String, (usize, Place)>,
-    /// Cells whose nodes in faces were left out: their number, and the number of the first.
+    /// Cells whose nodes in faces were left out: their count, and the number of the first such cell.
     pub without_face_nodes: Option<(usize, u64)>,
     /// Cells that were written with repeated nodes, by their numbers.
     pub collapsed: HashMap<u64, Collapse>,
-    /// Numbers in the file of nodes and elements that were numbered anew from 1; empty where numbers are those of the file.
+    /// Original numbers of nodes and elements that were renumbered from 1; empty if the numbers are those of the file.
     written_nodes: Vec<u64>,
     written_elements: Vec<u64>,
 }
 
-/// New numbers of the nodes and elements of appended tables, each after the old one.
+/// Pairs `(old, new)` of numbers of the nodes and elements of appended tables.
 pub(super) struct Appended {
     pub nodes: Vec<(u64, u64)>,
     pub elements: Vec<(u64, u64)>,
 }
 
 impl Elements {
-    /// Takes out the elements whose number and nodes fulfil a condition, of as many nodes each.
+    /// Removes and returns the elements, with `nodes_each` nodes each, whose number and nodes satisfy `condition`.
     fn take_out(&mut self, nodes_each: usize, condition: impl Fn(u64, &[u64]) -> bool) -> Vec<Element> {
         let nodes = |k: usize| &self.nodes[k * nodes_each..(k + 1) * nodes_each];
         let (taken, kept): (Vec<usize>, Vec<usize>) = (0..self.numbers.len()).partition(|&k| condition(self.numbers[k], nodes(k)));
@@ -226,11 +226,11 @@ impl Tables {
         }
     }
 
-    /// Makes cells with repeated nodes cells of the kind that they are, with a note that counts them. Elements that are no cells of bodies
-    /// and have no extent are left out.
+    /// Converts cells with repeated nodes to the smaller kind that they represent; returns a note with their counts. Structural elements
+    /// without extent are left out.
     ///
     /// # Errors
-    /// A cell with repeated nodes that is no cell of another kind.
+    /// A cell with repeated nodes that does not represent a smaller kind.
     pub fn collapse(&mut self) -> Result<Option<FileNote>, MeshError> {
         let mut known: HashMap<(CellKind, Vec<usize>), Option<Collapse>> = HashMap::new();
         let mut counts: BTreeMap<(CellKind, CellKind), usize> = BTreeMap::new();
@@ -269,7 +269,7 @@ impl Tables {
         Ok(first.map(|first| FileNote::Collapsed { counts, first: self.written_element(first) }))
     }
 
-    /// Keeps the cells of a part, and the elements and sides of boundaries on them.
+    /// Keeps the cells of one part only, with the elements and sides of boundaries on these cells.
     ///
     /// # Errors
     /// No cell is in a part of that name.
@@ -300,7 +300,7 @@ impl Tables {
         Ok(())
     }
 
-    /// Turns wedges whose first triangle looks away from the second, as VTK had them before version 9.6 and SU2 has them. Nodes must be
+    /// Reverses wedges whose first triangle faces away from the second, the order of VTK before version 9.6 and of SU2. Nodes must be
     /// numbered from 0 in their order.
     pub fn turn_wedges(&mut self) {
         for kind in [CellKind::Wedge6, CellKind::Wedge15] {
@@ -323,7 +323,7 @@ impl Tables {
         }
     }
 
-    /// Counts elements of a shape that are left out, the first of them at a place.
+    /// Counts left-out elements of a shape; `at` is the place of the first.
     pub fn leave_out(&mut self, shape: Shape, count: usize, at: Place) {
         let name = self.structural_types.get(&shape).map_or_else(|| "line".into(), |(name, _)| name.clone());
         self.left_out.entry(name).or_insert((0, at)).0 += count;
@@ -354,7 +354,7 @@ impl Tables {
             }
             own.places.extend(&elements.places);
             own.groups.extend(&elements.groups);
-            // a missing node has no number
+            // A missing node gets the invalid number `u64::MAX`.
             own.nodes.extend(elements.nodes.iter().map(|node| new_nodes.get(node).copied().unwrap_or(u64::MAX)));
         }
         self.structural_types.extend(other.structural_types.iter().map(|(&shape, known)| (shape, known.clone())));

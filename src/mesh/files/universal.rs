@@ -42,7 +42,7 @@ fn shape_of(descriptor: u64) -> Option<(Shape, Family, &'static [u8])> {
         116 => cell(CellKind::Hex20, &[0, 2, 4, 6, 12, 14, 16, 18, 1, 3, 5, 7, 13, 15, 17, 19, 8, 9, 10, 11]),
         118 => cell(CellKind::Tet10, &[0, 2, 4, 9, 1, 3, 5, 6, 7, 8]),
         41..=99 => {
-            // plane stress, plane strain and axisymmetric cells; plates, membranes and thin shells
+            // Descriptors of plane stress, plane strain and axisymmetric cells; others are plates, membranes and thin shells.
             let family = if matches!(descriptor / 10, 4 | 5 | 8) { Family::Cell } else { Family::Shell };
             let (kind, order): (_, &[u8]) = match descriptor % 10 {
                 1 => (CellKind::Tri3, &[]),
@@ -63,7 +63,7 @@ pub(super) fn begins(content: &[u8]) -> bool {
     lines.next() == Some(MARK.as_bytes())
 }
 
-/// The content of a file.
+/// Reads the tables of nodes, cells and groups from the content of a universal file.
 pub(super) fn read(content: &[u8]) -> Result<Tables, MeshError> {
     let mut file = File { lines: utf8(content)?.lines().collect(), at: 0, dataset: String::new() };
     let (mut tables, mut elements, mut groups) = (Tables::default(), Vec::new(), Groups::default());
@@ -170,7 +170,7 @@ fn read_elements(file: &mut File, tables: &mut Tables, elements: &mut Vec<Elemen
     while let Some(head) = file.numbers(6, "number, type, properties, color and number of nodes of an element")? {
         let (number, descriptor, count, at) = (head[0], head[1], head[5] as usize, file.place());
         let known = shape_of(descriptor);
-        // beams and rods have a line with their orientation, also those of unknown types
+        // The record of a beam or rod has a line with its orientation, also if its type is unknown.
         if matches!(descriptor, 11 | 21..=24) {
             file.record()?;
         }

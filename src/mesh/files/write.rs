@@ -27,7 +27,7 @@ impl Mesh {
     /// When the file is read, boundaries of nodes follow those with facets. Characters that are invalid in a line become spaces in names.
     pub fn to_gmsh(&self) -> String {
         let dimension = self.dimension();
-        // groups of cells: combination of parts of each cell
+        // Groups of cells: combination of the parts of each cell.
         let mut parts_of: Vec<Vec<usize>> = vec![Vec::new(); self.cell_count()];
         for (part, (_, cells)) in self.parts.iter().enumerate() {
             cells.iter().for_each(|&cell| parts_of[cell as usize].push(part + 1));
@@ -64,7 +64,7 @@ impl Mesh {
             }
         }
         for (boundary, entity) in self.boundaries.iter().zip(1..).filter(|(boundary, _)| !boundary.facets.is_empty()) {
-            // an element represents both sides of an interior facet
+            // One element represents both sides of an interior facet.
             let mut seen = HashSet::new();
             let facets = boundary.facets.iter().filter(|&&facet| seen.insert(facet_key(self.facet_nodes(facet))));
             let elements: Vec<Vec<u32>> = facets.map(|&facet| self.facet_nodes(facet).collect()).collect();
@@ -117,7 +117,7 @@ impl Mesh {
         let [a, b, c, d] = counts;
         line(text, format_args!("$Entities\n{a} {b} {c} {d}"));
         for number in points {
-            // the entity has the position of its first node
+            // The point entity has the position of its first node.
             let [x, y, z] = self.points[self.boundaries[number - 1].nodes[0] as usize];
             line(text, format_args!("{number} {x:?} {y:?} {z:?} 1 {number}"));
         }
@@ -161,7 +161,7 @@ fn write_elements(text: &mut String, blocks: &[Block]) {
     line(text, format_args!("$EndElements"));
 }
 
-/// Writing into a string does not fail.
+/// Appends a formatted line; writing into a string cannot fail.
 fn line(text: &mut String, content: std::fmt::Arguments) {
     let _ = text.write_fmt(content);
     text.push('\n');

@@ -30,7 +30,7 @@ fn thinned<R: Rows + ?Sized>(rows: &R, must: &[usize], most: usize) -> Vec<usize
     let (mut index, mut peaks) = (0usize, [(f64::NEG_INFINITY, 0); MEASURES]);
     rows.visit(0, &mut |row| {
         for ((largest, place), size) in peaks.iter_mut().zip(measures(row)) {
-            // The first of equal maxima.
+            // Of equal maxima, the first one is kept.
             if index.is_multiple_of(stretch) || size.total_cmp(largest).is_gt() {
                 (*largest, *place) = (size, index);
             }

@@ -86,7 +86,7 @@ impl ReportPage {
         Ok(ReportPage { data, blobs })
     }
 
-    /// Page of the present moment of a simulation; `None` of bytes that are no page.
+    /// Data of a page given by its bytes, such as that of a running simulation; `None` if the bytes are no page.
     pub fn of_bytes(page: &[u8]) -> Option<Self> {
         ReportPage::read(page).ok()
     }

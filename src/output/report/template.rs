@@ -13,7 +13,7 @@ pub struct TemplateParts<'a> {
     pub connections: &'a str,
     /// Parts of the page's program, in the order of their dependencies.
     pub program: &'a [&'a str],
-    /// Small data.
+    /// Data that are embedded as JSON.
     pub data: &'a Value,
     /// Packed arrays with their names.
     pub blobs: &'a [(String, String)],

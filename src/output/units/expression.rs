@@ -10,7 +10,7 @@ use super::unit::Unit;
 pub enum UnitError {
     /// Unknown unit name.
     Unknown(String),
-    /// Something else than names, `*`, `/`, `^` and parentheses, where it was expected.
+    /// A text that is no product or quotient of unit names (operators `*`, `/`, `^`, parentheses).
     Malformed {
         /// The expression.
         text: String,

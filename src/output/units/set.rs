@@ -56,7 +56,7 @@ pub enum UnitSetError {
         index: usize,
         /// The other units that determine it.
         others: Vec<String>,
-        /// The unit that fits.
+        /// Unit that is consistent with the others.
         fitting: String,
         /// The dimension in words.
         dimension: String,

@@ -12,7 +12,7 @@ use crate::script::language::limits::MAX_ARRAY;
 use crate::script::language::parameter::{Kind, Parameter};
 use crate::script::language::values::{as_number, describe};
 
-/// The functions of this topic.
+/// Script functions of this topic.
 pub fn functions() -> Vec<Function> {
     vec![
         of_numbers(

@@ -27,7 +27,7 @@ pub struct Motion {
     /// Number of quarter turns, if the rotation is a multiple of a quarter turn.
     quarters: Option<i64>,
     offset: [f64; 3],
-    /// The units.
+    /// Conversion of units.
     pub units: Units,
 }
 

@@ -132,7 +132,7 @@ fn entry_of(argument: &Argument, value: &Dynamic) -> Result<f64, Failure> {
     })
 }
 
-/// The functions of this topic.
+/// Script functions of this topic.
 pub fn functions() -> Vec<Function> {
     vec![
         of_number("deg", "an angle in degrees as radians", f64::to_radians),

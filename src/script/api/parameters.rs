@@ -182,7 +182,7 @@ fn parsed(text: &str, default: &Dynamic) -> Option<Dynamic> {
     plain.parse::<f64>().ok().filter(|number| number.is_finite()).map(Dynamic::from)
 }
 
-/// The functions of this topic.
+/// Script functions of this topic.
 pub fn functions() -> Vec<Function> {
     vec![Function {
         name: "param",

@@ -14,7 +14,7 @@ use crate::script::language::values::as_number;
 
 type Value = Result<Dynamic, Box<EvalAltResult>>;
 
-/// The functions of this file.
+/// Script functions defined in this file.
 pub fn functions() -> Vec<Function> {
     vec![argmax("argmax", 1.0), argmax("argmin", -1.0), diff(), cumsum(), integrate(), interpolate(), percentiles(), fft(), cfc_filter()]
 }

@@ -238,7 +238,7 @@ impl TimeFunction for RecordedTimeFunction {
     }
 }
 
-/// The functions of this topic.
+/// Script functions of this topic.
 pub fn functions() -> Vec<Function> {
     vec![hat(), ramp(), sine(), table(), value()]
 }

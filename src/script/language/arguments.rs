@@ -52,7 +52,7 @@ pub trait Arguments {
         self.argument(name).name()
     }
 
-    /// An object.
+    /// Returns an object of the language of the type `T`.
     fn handle<T: Handle>(&self, name: &str) -> Result<T, Failure> {
         self.argument(name).handle()
     }
@@ -190,7 +190,7 @@ impl Argument<'_> {
         self.target.clone()
     }
 
-    /// `` `dt` of `simulate` ``.
+    /// Title of the argument in messages, such as `` `dt` of `simulate` ``.
     pub fn title(&self) -> String {
         format!("`{}` of {}", self.parameter.name, self.call.function.title())
     }
@@ -331,7 +331,7 @@ impl Argument<'_> {
         }
     }
 
-    /// An object.
+    /// Returns an object of the language of the type `T`.
     ///
     /// # Errors
     /// Another type.

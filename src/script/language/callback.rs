@@ -3,7 +3,7 @@
 //! The engine finds a closure by its name in the functions of the running script. A closure made inside an imported module is not found
 //! there, so it is bound to the context of its module, which the module resolver has stored in the host.
 
-#![allow(deprecated)] // the engine marks its persistent call context as volatile, not as obsolete
+#![allow(deprecated)] // rhai marks the type as deprecated because its interface may change
 
 use std::rc::Rc;
 
@@ -148,7 +148,7 @@ impl Argument<'_> {
     }
 }
 
-/// `no parameter`, `1 parameter`, `2 parameters`.
+/// Number of parameters in words: `no parameter`, `1 parameter`, `2 parameters`.
 fn parameters(count: usize) -> String {
     match count {
         0 => "no parameter".into(),

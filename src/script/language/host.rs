@@ -3,7 +3,7 @@
 //! The host has the state common to all scripts: check or run, interrupt, warnings already given. State of a topic of the API (simulations,
 //! values of `param`) is stored in `slots`, whose types are opaque to the host.
 
-#![allow(deprecated)] // the engine marks its persistent call context as volatile, not as obsolete
+#![allow(deprecated)] // rhai marks the type as deprecated because its interface may change
 
 use std::cell::{Cell, RefCell};
 use std::collections::HashMap;
@@ -82,7 +82,7 @@ impl Host {
         self.effects.set(self.effects.get() + 1);
     }
 
-    /// Changes of shared objects so far.
+    /// Number of changes of shared objects in this session.
     pub(crate) fn effects(&self) -> u64 {
         self.effects.get()
     }

@@ -36,7 +36,7 @@ pub fn did_you_mean<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str
     (!near.is_empty()).then(|| format!("did you mean {}?", listed(&near, "or")))
 }
 
-/// `` `a`, `b` and `c` ``.
+/// Names in code quotes, the last one after the word `joint`, such as `` `a`, `b` and `c` ``.
 pub fn listed<S: AsRef<str>>(names: &[S], joint: &str) -> String {
     let quoted: Vec<String> = names.iter().map(|name| format!("`{}`", name.as_ref())).collect();
     joined(&quoted, joint)
@@ -53,7 +53,7 @@ pub fn joined<S: AsRef<str>>(words: &[S], joint: &str) -> String {
     }
 }
 
-/// `a Mesh`, `an Integrator`.
+/// Name with its article: `a Mesh`, `an Integrator`.
 pub fn with_article(name: &str) -> String {
     let vowel = name.chars().next().is_some_and(|first| "AEIOUaeiou".contains(first));
     format!("{} {name}", if vowel { "an" } else { "a" })

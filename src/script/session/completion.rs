@@ -61,7 +61,7 @@ pub(super) enum Known {
     Value(Dynamic),
     /// The name of a type.
     Type(&'static str),
-    /// Neither.
+    /// Neither value nor type is known.
     Nothing,
 }
 

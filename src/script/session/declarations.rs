@@ -44,11 +44,11 @@ pub struct Declaration {
 pub struct Declarations {
     /// Declarations in the order of the text.
     pub all: Vec<Declaration>,
-    /// Bytes of each use, and the number of its declaration.
+    /// Byte range of each use of a name, and the index of its declaration.
     pub uses: Vec<(Range<usize>, usize)>,
-    /// Bytes of called names without a declaration in the text.
+    /// Byte ranges of called names without a declaration in the text.
     pub unknown_calls: Vec<Range<usize>>,
-    /// Bytes of the bodies of functions.
+    /// Byte ranges of the bodies of functions.
     bodies: Vec<Range<usize>>,
 }
 
@@ -76,7 +76,7 @@ impl Declarations {
         found
     }
 
-    /// Number of the declaration whose name, or a use of it, is at a byte.
+    /// Index of the declaration whose name, or a use of it, includes a byte.
     pub fn at(&self, byte: usize) -> Option<usize> {
         let is_here = |range: &Range<usize>| range.start <= byte && byte <= range.end;
         let declared = self.all.iter().position(|declaration| is_here(&declaration.range));
@@ -185,7 +185,7 @@ impl Reader<'_> {
             }
             TextTokenKind::Sign('|') => return self.bar(index),
             TextTokenKind::Name => return self.name(index, calls),
-            // `Fn("name")`
+            // A function pointer `Fn("name")` uses the function of that name.
             TextTokenKind::Text { closed: true }
                 if index > 1 && self.is(index - 1, TextTokenKind::Open('(')) && self.word(index - 2) == "Fn" =>
             {

@@ -1,6 +1,6 @@
 //! Creates the engine of a session: limits, types, functions, and callbacks into the session.
 
-#![allow(deprecated)] // the engine marks its persistent call context as volatile, not as obsolete
+#![allow(deprecated)] // rhai marks the type as deprecated because its interface may change
 
 use std::cell::Cell;
 use std::rc::Rc;

@@ -248,7 +248,7 @@ impl Interactive {
             Err(error) => {
                 let position = host.sources.text(SOURCE).and_then(|whole| offset(&whole, error.position()));
                 let position = position.map_or(0, |position| position.saturating_sub(start).min(text.len()));
-                // Its functions and closures stay, because values may hold them already.
+                // Functions and closures of the entry are kept, because values may refer to them.
                 tree.clear_statements();
                 self.functions = tree;
                 self.imports.keep(&engine, &host.sandbox, first_line, &text[..position]);

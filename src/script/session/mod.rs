@@ -24,7 +24,7 @@ pub mod pages;
 pub mod ranking;
 pub mod record;
 pub mod reference;
-#[allow(clippy::module_inception)] // the room has the name of what it is about
+#[allow(clippy::module_inception)] // folder and module have one name
 pub mod session;
 pub mod shown;
 pub mod statements;

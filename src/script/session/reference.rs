@@ -355,7 +355,7 @@ fn parameters(function: &Function) -> Vec<(String, &Parameter)> {
     rows
 }
 
-/// Kind, range and dimension.
+/// Accepted values of a parameter: kind, range and dimension.
 fn takes(parameter: &Parameter) -> String {
     let ranged = matches!(parameter.kind, Kind::Number | Kind::Integer);
     let each = if !ranged && parameter.range != Interval::Finite { format!(", each {}", parameter.range) } else { String::new() };
@@ -367,7 +367,7 @@ fn takes(parameter: &Parameter) -> String {
     format!("{}{each}{dimension}", parameter.requirement())
 }
 
-/// `ring`, `Model.add_body`.
+/// Heading of a function: its name, of a method with its type, such as `ring` or `Model.add_body`.
 fn heading(function: &Function) -> String {
     match (function.form, function.form.receiver()) {
         (Form::Column(_), Some(receiver)) => format!("{}[{}]", receiver.name, function.name),
@@ -399,7 +399,7 @@ fn plural(group: &str) -> String {
     sentence(&text)
 }
 
-/// A text inside a table.
+/// Escapes a text for a cell of a Markdown table.
 fn cell(text: &str) -> String {
     text.replace('|', "\\|")
 }

@@ -43,7 +43,7 @@ pub struct TestOutcome {
     pub time: Duration,
 }
 
-/// Expectation at a line.
+/// Message or output that a test script expects at one of its lines, written as a comment `//~ …`.
 #[derive(Clone, Debug, PartialEq)]
 struct Mark {
     kind: MarkKind,

@@ -4,7 +4,7 @@
 //! captured values are transferred as data. Before every call it discards all data of earlier calls, so that results do not depend on the
 //! worker.
 
-#![allow(deprecated)] // the engine marks its persistent call context as volatile, not as obsolete
+#![allow(deprecated)] // rhai marks the type as deprecated because its interface may change
 
 use std::cell::RefCell;
 use std::collections::BTreeSet;

@@ -19,7 +19,7 @@ const GAIN: f64 = 1e-12;
 pub struct Expected {
     /// Name of the figure.
     pub name: &'static str,
-    /// Closed form.
+    /// Value by the closed form.
     pub value: f64,
     /// Largest distance from the closed form.
     pub tolerance: f64,

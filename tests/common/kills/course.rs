@@ -16,7 +16,7 @@ const SIGNALS: [&str; 5] = ["-KILL", "-KILL", "-TERM", "-INT", "-HUP"];
 const APART: Duration = Duration::from_millis(30);
 /// Largest number of kills of a run.
 const MOST_KILLS: usize = 4;
-/// Largest time of a run.
+/// Time after which a run counts as hanging.
 const PATIENCE: Duration = Duration::from_secs(300);
 
 /// Outcome of a script.

@@ -58,7 +58,7 @@ struct Writer {
     random: SplitMix,
     text: String,
     simulations: Vec<Known>,
-    /// Number of names and files given so far.
+    /// Number of names of variables and files in use.
     names: usize,
 }
 

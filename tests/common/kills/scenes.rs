@@ -18,7 +18,7 @@ pub struct Scene {
     pub readers: &'static [&'static str],
 }
 
-/// Readers that every model has.
+/// Statements that read results of any model.
 pub const COMMON: &[&str] = &[
     "print({s}.body({b}).center); print({s}.body({b}).velocity); print({s}.body({b}).kinetic); print({s}.body({b}).momentum);",
     "print({s}.body({b}).strain); print({s}.body({b}).potential); print({s}.body({b}).stress_error);",

@@ -68,7 +68,7 @@ fn summary(product: Named, ended: &Ended, history: &History, out: &Path) -> Vec<
                 faults.push(Fault::new("outcome", format!("{outcome} with the exit code {}", ended.code)));
             }
             let steps = told::first(&ended.printed, "steps").first().copied().unwrap_or(f64::NAN);
-            // Discarded steps count, too.
+            // Steps that `restore` has discarded are counted in the summary.
             let goes_back = product.is("task", &["restore", "back"]);
             let is_path = product.is("task", &["follow_load"]);
             if number("steps") != steps && !is_path && !(goes_back && number("steps") > steps) {

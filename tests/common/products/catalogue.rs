@@ -17,7 +17,7 @@ use super::{Named, Product, script};
 pub struct Factor {
     /// Name.
     pub name: &'static str,
-    /// Rows.
+    /// Values of the feature, each a piece of script; the simplest first.
     pub rows: Vec<String>,
 }
 
@@ -184,12 +184,12 @@ impl Catalogue {
         catalogue
     }
 
-    /// Place of a factor.
+    /// Index of a factor by its name.
     pub fn index(&self, name: &str) -> usize {
         self.factors.iter().position(|factor| factor.name == name).unwrap_or_else(|| panic!("no factor {name}"))
     }
 
-    /// Product of the first rows.
+    /// Product that has the first, simplest row of every factor.
     pub fn plain(&self) -> Product {
         Product { rows: vec![0; self.factors.len()], seed: 0 }
     }

@@ -85,7 +85,7 @@ impl Open {
             let [first, second] = [place / self.rows.len(), place % self.rows.len()].map(|row| self.rows[row].0);
             of_factors.entry((first, second)).or_insert((0, place)).0 += 1;
         }
-        // The first of equal ones.
+        // Of equal numbers, the first pair of factors.
         let (_, place) = of_factors.into_values().rev().max_by_key(|(count, _)| *count)?;
         Some((self.rows[place / self.rows.len()], self.rows[place % self.rows.len()]))
     }

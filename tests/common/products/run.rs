@@ -159,7 +159,7 @@ fn go_on(session: &mut Session, out: &Path) -> Result<(), String> {
 
 /// Runs products and judges them.
 pub struct Bench {
-    /// Folder of its own.
+    /// Folder of the scripts and results, emptied before each product.
     pub home: PathBuf,
     /// Path of the program, for the trial `process`.
     pub program: PathBuf,
@@ -224,7 +224,7 @@ impl Bench {
             let again = run(&place, &other, Manner::default());
             let error = again.error?;
             let title = error.title.clone();
-            // A refusal of a rotated model is an answer.
+            // A refusal of the rotated model is no fault.
             (error.class != Class::Script).then(|| Fault::new(kind, format!("{} {title} {}", error.code, error.causes.join("; "))))
         };
         match product.row("trial") {

@@ -291,7 +291,7 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// Units in which the numbers are; those of solids are others, which is warned of.
+    /// Declares the units of the script; numbers that are implausible in these units give a warning only.
     fn declared(&mut self) {
         if !self.is("declared", &["none"]) {
             self.line(&format!("units(\"{}\");", self.product.row("declared")));

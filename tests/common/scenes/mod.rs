@@ -47,7 +47,7 @@ pub struct Body {
     pub mirrored: bool,
     /// Rotation angle about the origin before the translation.
     pub angle: f64,
-    /// Translation.
+    /// Translation of the origin, after the rotation.
     pub center: Point,
     /// Name of the row of the material.
     pub law: &'static str,
@@ -109,7 +109,7 @@ impl Body {
     /// Mesh of the body at its place.
     ///
     /// # Errors
-    /// What the generators refuse.
+    /// Errors of the mesh generators.
     pub fn mesh(&self) -> Result<Mesh, MeshError> {
         let mut mesh = match &self.shape {
             Shape::Rectangle { size, cells } => rectangle(*size, *cells, [-0.5 * size[0], -0.5 * size[1]])?,
@@ -278,7 +278,7 @@ impl Scene {
     /// Hulls of all undeformed bodies.
     ///
     /// # Errors
-    /// What the generators refuse.
+    /// Errors of the mesh generators.
     pub fn outlines(&self) -> Result<Vec<Outline>, MeshError> {
         self.bodies.iter().map(Body::outline).collect()
     }
@@ -293,7 +293,7 @@ impl Scene {
     /// The model of the kernels.
     ///
     /// # Errors
-    /// What the generators refuse.
+    /// Errors of the mesh generators.
     pub fn model(&self) -> Result<Model, MeshError> {
         let mut model = Model { name: format!("scene {}", self.seed), ..Model::default() };
         model.gravity = [self.gravity[0], self.gravity[1], 0.0];

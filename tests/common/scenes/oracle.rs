@@ -163,7 +163,7 @@ fn gauss_points(x: [Point; 4]) -> [GaussPoint; 4] {
 
 impl Oracle {
     /// # Errors
-    /// What the generators of meshes refuse.
+    /// Errors of the mesh generators.
     pub fn new(scene: &Scene) -> Result<Oracle, MeshError> {
         let (mut bodies, mut first) = (Vec::new(), 0);
         for body in &scene.bodies {

@@ -123,7 +123,7 @@ struct Draft {
 }
 
 impl Draft {
-    /// Bodies and walls.
+    /// Adds the bodies and walls of the kind of scene.
     fn fill(&mut self) {
         match self.scene.kind {
             Kind::Collision => self.cluster(2, 6),
@@ -147,7 +147,7 @@ impl Draft {
         }
     }
 
-    /// Bodies around the first one.
+    /// Adds bodies around the first one.
     fn cluster(&mut self, least: usize, most: usize) {
         let count = least + self.random.below(most - least + 1);
         for k in 0..count {
@@ -223,7 +223,7 @@ impl Draft {
         (center, radius)
     }
 
-    /// A deformable ring around all bodies.
+    /// Adds a deformable ring around all bodies.
     fn enclose(&mut self) {
         let (center, radius) = self.circle();
         let around = 16 + self.random.below(33);
@@ -235,7 +235,7 @@ impl Draft {
         self.put(body, center);
     }
 
-    /// Four planes around all bodies.
+    /// Adds four planes around all bodies.
     fn box_in(&mut self) {
         let [low, high] = self.bounds();
         for (corner, normal) in [(low, [1.0, 0.0]), (low, [0.0, 1.0]), (high, [-1.0, 0.0]), (high, [0.0, -1.0])] {
@@ -281,7 +281,7 @@ impl Draft {
         self.scene.gravity = [0.0, -0.5 * speed * speed];
     }
 
-    /// Bodies one on another on a plane, with small gaps.
+    /// Adds bodies one on another on a plane, with small gaps.
     fn stack(&mut self) {
         self.scene.walls.push(Wall::Plane { point: [0.0; 2], normal: [0.0, 1.0] });
         let count = 2 + self.random.below(4);
@@ -314,7 +314,7 @@ impl Draft {
         self.scene.bodies.iter().any(delicate)
     }
 
-    /// Velocities and spins.
+    /// Sets random velocities and spins.
     fn set_initial_velocity(&mut self) {
         if self.scene.kind == Kind::Stack {
             return;

@@ -99,9 +99,9 @@ pub struct Finding {
     pub first: usize,
     /// Nominal step of the largest value.
     pub worst_step: usize,
-    /// Largest value.
+    /// Largest value of the violated quantity.
     pub worst: f64,
-    /// Error, or place.
+    /// Message of the error, or place of the violation.
     pub text: String,
 }
 
@@ -155,7 +155,7 @@ pub struct Outcome {
     /// Number of steps that ended in contact.
     pub touching: usize,
     pub cells: usize,
-    /// Largest values of the run.
+    /// Largest values of the run, as in a nominal step.
     pub gain: f64,
     pub friction_gain: f64,
     pub cone: f64,
@@ -312,7 +312,7 @@ fn take(scene: &Scene, outcome: &mut Outcome, watch: &mut dyn FnMut(&Record)) {
     let scales = Scales::new(scene, &oracle, &start);
     let is_alone = scene.walls.is_empty() && scene.gravity_size() == 0.0;
     let offset = start.total() - sim.row().total();
-    // Largest permitted energy.
+    // Reference of the energy gain: with the rule `velocity` the greatest energy so far, with the others the least.
     let mut bound = start.total();
     // State of each contact at the end of the previous substep; energy dissipated so far; largest force of a contact; largest friction
     // limit.

@@ -85,7 +85,7 @@ pub struct RowStart {
     pub gap: f64,
     /// Constraint function `Phi` in the penalty potential at the end of the previous step.
     pub penalty_gap: f64,
-    /// Constraint function `Phi` of an active constraint.
+    /// Constraint function `Phi` at which an active constraint is held.
     pub held: f64,
     /// Excess of `Phi` over `held` up to which the constraint is active from the start.
     pub closed: f64,

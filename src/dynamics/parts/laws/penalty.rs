@@ -1,4 +1,4 @@
-//! Penalty potentials: the pressure is the mean of `kappa/2 min(Phi, 0)^2` over the step.
+//! Penalty potential `U = kappa/2 min(Phi, 0)^2`: the pressure is its difference quotient over the step, `-(U_1 - U_0)/(Phi_1 - Phi_0)`.
 
 use super::law::{ConstraintCondition, Equation, Row, RowLaw, RowStart, RowState};
 

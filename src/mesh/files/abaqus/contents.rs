@@ -85,7 +85,7 @@ impl Contents {
                         numbers.extend(within.filter(|number| (*number - first).is_multiple_of(*step)).map(|&number| (owner, number)));
                     }
                     Member::Name(name) => match (self.find(kind, owner, name), self.of_instance(name)) {
-                        // a set that contains itself adds nothing
+                        // A set that was visited already (a set may contain itself) adds nothing.
                         (Some(other), _) if seen.insert(other) => waiting.push(other),
                         (Some(_), _) => {}
                         (None, Some((owner, number))) if number.parse::<u64>().is_ok() => {
@@ -118,7 +118,8 @@ impl Contents {
         (1..self.scopes.len()).chain([0])
     }
 
-    /// Name of a set of a scope: its own name, with that of its instance if other instances of the mesh may have a set of this name.
+    /// Name of a set for the mesh: its own name, preceded by the name of its instance if other instances of the mesh may have a set of this
+    /// name.
     fn label(&self, scope: usize, name: &str, used: &[usize], is_taken: impl Fn(&str) -> bool) -> String {
         let name = name.trim_matches('"');
         let is_alone = used.iter().filter(|&&other| other > 0).count() <= 1;
@@ -157,7 +158,7 @@ impl Contents {
             }
         }
         let tables = &mut merged.tables;
-        // list without a group, for all other elements
+        // Empty list of groups, for the elements that belong to no set.
         tables.groups_index(Vec::new());
         let mut list_of: HashMap<u64, u32> = HashMap::new();
         let mut lists: Vec<(u64, Vec<u64>)> = groups.into_iter().collect();
@@ -251,7 +252,7 @@ impl Contents {
     }
 }
 
-/// Tables of some scopes. Where there are several, their nodes and elements get new numbers.
+/// Tables of one or several scopes. With several scopes, nodes and elements get new numbers.
 struct Merged {
     tables: Tables,
     /// New numbers by scope and number; `None` if the numbers of a single scope are kept.

@@ -89,7 +89,7 @@ fn parts_of(contents: &Contents, options: &ReadOptions, notes: &mut Vec<FileNote
     let mut parts = Vec::new();
     for &scope in &used {
         let own = &contents.scopes[scope];
-        // an analytical rigid body has no cells
+        // An instance of an analytical rigid body has no cells and is left out.
         let has_cells = own.elements.keys().any(|number| options.shells == Shells::Plane || !own.tables.structural.contains(number));
         if !has_cells && used.len() > 1 {
             notes.extend((scope > 0).then(|| FileNote::WithoutCells(own.name.clone())));
@@ -122,7 +122,7 @@ fn pieces_of(contents: &Contents, mesh: &Mesh) -> Vec<DeckPart> {
 }
 
 fn deck_of(contents: Contents, mut parts: Vec<(usize, DeckPart)>, notes: Vec<FileNote>) -> Deck {
-    // sections may write the name of a material in another case than its definition
+    // Sections may write the name of a material in another case than its definition; the name of the definition is used.
     for name in parts.iter_mut().flat_map(|(_, part)| &mut part.materials) {
         if let Some(material) = contents.definitions.materials.iter().find(|material| key_of(&material.name) == key_of(name)) {
             name.clone_from(&material.name);

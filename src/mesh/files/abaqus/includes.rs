@@ -9,7 +9,7 @@ use crate::machine::files;
 use crate::mesh::MeshError;
 use crate::mesh::file_error::{FileError, FileProblem, Place};
 
-/// Largest depth of files that include each other, and largest number of included files.
+/// Largest nesting depth of included files, and largest number of included files.
 const DEEPEST: usize = 16;
 const MOST: usize = 1000;
 

@@ -119,7 +119,7 @@ impl<'a> Lines<'a> {
             self.rest = rest;
             self.line += 1;
             let line = line.trim_ascii();
-            // comments may be in any encoding
+            // Comment lines are skipped before decoding, since they may be in any encoding.
             if line.is_empty() || line.starts_with(b"**") {
                 continue;
             }

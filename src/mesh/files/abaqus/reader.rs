@@ -47,7 +47,7 @@ enum Open {
         /// Fields of an element that continues in the next line, and its first line.
         begun: Option<Begun>,
     },
-    /// Elements without a shape.
+    /// Elements without a cell shape, such as springs and masses.
     Structural {
         name: String,
         set: Option<usize>,
@@ -70,7 +70,7 @@ enum Open {
     Surface {
         surface: usize,
     },
-    /// Translation and rotation lines of an instance that have been read so far.
+    /// Number of translation and rotation lines of an instance that have been read so far.
     Placing {
         lines: usize,
     },
@@ -91,7 +91,7 @@ struct Reader {
     current: Current,
 }
 
-/// Contents of an input file.
+/// Reads the blocks of an Abaqus input file and of the files it includes.
 pub(super) fn read(content: &[u8], includes: Includes) -> Result<Contents, MeshError> {
     let text = Text::new(content, includes)?;
     match read_lines(&text.content) {
@@ -127,7 +127,7 @@ fn read_lines(content: &[u8]) -> Result<Contents, MeshError> {
     reader.close(open)?;
     let Reader { mut contents, parts, .. } = reader;
     if contents.scopes.len() == 1 {
-        // parts of a file without an assembly are used directly
+        // In a file without an assembly, parts are used directly.
         contents.scopes.extend(parts);
     }
     let has = |what: fn(&Scope) -> bool| contents.scopes.iter().any(what);
@@ -160,7 +160,7 @@ impl Reader {
         }
     }
 
-    /// Keeps an element; one with fewer nodes than its shape is left out.
+    /// Keeps an element; an element with fewer nodes than its shape is recorded as structural and left out.
     fn element(&mut self, shape: Shape, fields: &[u64], set: Option<usize>, at: Place) -> Result<(), MeshError> {
         let (number, scope) = (fields[0], self.scope());
         if let Some(nodes) = fields.get(1..=shape.nodes()) {
@@ -222,7 +222,7 @@ impl Reader {
                         Open::Surface { surface: surfaces.len() - 1 }
                     }
                     Some("NODE") => Open::NodeSurface { set: self.scope().node_sets.open(&name, &keyword) },
-                    // analytical surfaces are not part of the mesh
+                    // Analytical surfaces are not part of the mesh.
                     Some(_) => Open::Other,
                 }
             }
@@ -378,7 +378,7 @@ fn element_fields(
     let needed = shape.nodes() + 1;
     let more: Vec<u64> = data.fields().map(|field| data.number(Some(field), EXPECTED)).collect::<Result<_, _>>()?;
     if element.fields.len() + more.len() > needed && !element.has_commas {
-        // the line is that of the next element
+        // Without a trailing comma this line is that of the next element, so that the current one lacks nodes.
         return element.fail(shape);
     }
     element.fields.extend(more);

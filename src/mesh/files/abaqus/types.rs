@@ -67,7 +67,7 @@ pub(super) fn type_of(name: &str) -> Option<ElementType> {
     if let Some((shape, family)) = shape_of(&name) {
         return Some(ElementType::Shaped(shape, family));
     }
-    // shells with other numbers of nodes, user elements, elements of networks
+    // Shells with unsupported numbers of nodes, user elements, and elements of networks count as structural.
     let is_numbered = |letter: char| name.strip_prefix(letter).is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_digit()));
     let is_structural = name == "D" || is_numbered('U') || is_numbered('S') || STRUCTURAL.iter().any(|begin| name.starts_with(begin));
     is_structural.then_some(ElementType::Structural)
@@ -78,7 +78,7 @@ fn shape_of(name: &str) -> Option<(Shape, Family)> {
     let rest = &name[family.len()..];
     let digits = rest.bytes().take_while(u8::is_ascii_digit).count();
     let (count, letters) = rest.split_at(digits);
-    // may have additional nodes in its faces
+    // `C3D15V` elements may have additional nodes in their faces and are not supported.
     if family == "C3D" && rest.starts_with("15V") {
         return None;
     }
@@ -86,7 +86,7 @@ fn shape_of(name: &str) -> Option<(Shape, Family)> {
         return None;
     }
     let nodes: usize = match (kind, count) {
-        // the second digit of the name of a beam is its number of nodes minus one
+        // The second digit of a beam type is its number of nodes minus one.
         (Family::Beam, "1") => 2,
         (Family::Beam, "2") => 3,
         (Family::Beam, _) => return None,

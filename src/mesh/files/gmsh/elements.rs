@@ -32,7 +32,7 @@ pub(in crate::mesh::files) fn number_of(shape: Shape) -> u64 {
 
 /// Adds an element whose nodes are the remaining numbers of its entry.
 pub(super) fn add_element(tables: &mut Tables, gmsh_type: u64, number: u64, groups: u32, mut entry: Entry) -> Result<(), MeshError> {
-    // prisms of 18 and pyramids of 14 nodes, whose last nodes lie in their faces
+    // Prisms of 18 and pyramids of 14 nodes are read without their last nodes, which lie in their faces.
     let known = match gmsh_type {
         13 => tables.without_face_nodes(CellKind::Wedge15, number).map(|(shape, _)| (shape, 3)),
         14 => tables.without_face_nodes(CellKind::Pyr13, number).map(|(shape, _)| (shape, 1)),
@@ -41,7 +41,7 @@ pub(super) fn add_element(tables: &mut Tables, gmsh_type: u64, number: u64, grou
     let Some((shape, in_faces)) = known else {
         return entry.fail(FileProblem::UnsupportedCell { element: number, kind: kind_name(gmsh_type) });
     };
-    // larger than the number of nodes of any element
+    // Buffer larger than the number of nodes of any element.
     let mut nodes = [0; 32];
     let nodes = &mut nodes[..shape.nodes()];
     for node in &mut *nodes {

@@ -42,7 +42,7 @@ pub(in crate::mesh::files) fn read(content: &[u8]) -> Result<Tables, MeshError> 
         }
     }
     if matches!(version, Some(Version::Four)) && entities.is_none() && !tables.names.is_empty() {
-        // without this section, named groups would be lost silently
+        // Without the section of entities, named groups would be lost silently.
         return source.fail(FileProblem::MissingSection { section: "$Entities" });
     }
     Ok(tables)
@@ -98,7 +98,7 @@ fn read_version(source: &mut Source) -> Result<Version, MeshError> {
     let number: f64 = entry.word(EXPECTED)?;
     let file_type: u64 = entry.word(EXPECTED)?;
     let version = match entry.text().split_ascii_whitespace().next() {
-        // some programs write 2.2000
+        // Some programs write the version number as 2.2000.
         _ if number == 2.2 => Version::Two,
         _ if number == 4.1 => Version::Four,
         written => return entry.fail(FileProblem::Version { version: shortened(written.unwrap_or_default()) }),

@@ -115,7 +115,7 @@ impl<'a> Source<'a> {
     pub fn line(&mut self, section: &Section) -> Result<Entry<'_, 'a>, MeshError> {
         match self.next()? {
             None => Err(section.truncated(self.place())),
-            // a closing line that is incomplete or too early
+            // A closing line that is incomplete (end of the file) or belongs to another section.
             Some(text) if text.starts_with('$') && self.rest.is_empty() && text.strip_prefix("$End") != section.name.strip_prefix('$') => {
                 Err(section.truncated(self.place()))
             }
@@ -134,12 +134,12 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// The closing line of a section.
+    /// Reads the closing line of a section.
     pub fn close(&mut self, section: &Section) -> Result<(), MeshError> {
         let at = self.place();
         let is_binary = self.is_binary();
         match self.next() {
-            // bytes that are no text after binary numbers are further numbers
+            // Bytes after the binary numbers that are no text are further numbers.
             Err(_) if is_binary => Err(section.miscounted(at, section.announced.saturating_add(1))),
             Err(error) => Err(error),
             Ok(None) => Err(section.truncated(self.place())),
@@ -157,7 +157,7 @@ impl<'a> Source<'a> {
         let begin = self.place();
         let mut passed = 0;
         if self.is_binary() {
-            // numbers may have any bytes, so only the closing mark counts
+            // Binary numbers may contain any bytes, so that only the closing mark ends the section.
             let mark = format!("$End{name}");
             return match self.rest.windows(mark.len()).position(|window| window == mark.as_bytes()) {
                 Some(found) => {

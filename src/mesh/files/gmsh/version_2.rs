@@ -54,7 +54,7 @@ pub(super) fn read_elements(source: &mut Source, tables: &mut Tables) -> Result<
             for tag in 0..tags {
                 let value = entry.int(ELEMENT)?;
                 if tag == 0 {
-                    // a negative number means reversed; orientation follows from the cells here
+                    // A negative group number means reversed orientation; here orientation follows from the cells.
                     physical = value.unsigned_abs();
                 }
             }

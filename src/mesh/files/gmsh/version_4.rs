@@ -16,8 +16,8 @@ pub(super) fn read_entities(source: &mut Source, entities: &mut Entities) -> Res
     read_entities_of(source, Section::new("$Entities", source), entities)
 }
 
-/// The number of parts, a count of ghosts with `entity part` each, and entities with `parent-dimension parent n parts…` behind their
-/// numbers. Nodes and elements name these entities instead of those that were divided.
+/// Reads the entities of a partitioned mesh: number of partitions, number of ghost entities with `entity part` each, then entities whose
+/// numbers are followed by `parent-dimension parent n parts…`. Nodes and elements refer to these entities instead of their parents.
 pub(super) fn read_partitioned_entities(source: &mut Source, entities: &mut Entities) -> Result<(), MeshError> {
     const PARTS: &str = "the number of parts";
     const GHOSTS: &str = "the number of ghost entities, each with the number of its part";
@@ -26,7 +26,7 @@ pub(super) fn read_partitioned_entities(source: &mut Source, entities: &mut Enti
     entry.size(PARTS)?;
     entry.end(PARTS)?;
     let mut entry = source.entry(&section)?;
-    // in a text file every ghost has a line of its own
+    // Each ghost entity has a line of its own in a text file.
     let ghosts = entry.count(GHOSTS)?;
     entry.end(GHOSTS)?;
     for _ in 0..ghosts {
@@ -62,12 +62,12 @@ fn read_entities_of(source: &mut Source, mut section: Section, entities: &mut En
             }
             let mut groups = Vec::new();
             for _ in 0..entry.size(EXPECTED)? {
-                // a negative number means reversed; orientation follows from the cells here
+                // A negative group number means reversed orientation; here orientation follows from the cells.
                 groups.push(entry.int(EXPECTED)?.unsigned_abs());
             }
             groups.sort_unstable();
             groups.dedup();
-            // bounding entities at the end of the line are not needed
+            // Bounding entities at the end of the line are not needed.
             if is_binary && dimension > 0 {
                 for _ in 0..entry.size(EXPECTED)? {
                     entry.int(EXPECTED)?;
@@ -112,7 +112,7 @@ pub(super) fn read_nodes(source: &mut Source, tables: &mut Tables) -> Result<(),
         for number in numbers {
             let mut entry = source.entry(&section)?;
             let point = entry.point(POINT)?;
-            // coordinates on the curve or surface may follow
+            // Parametric nodes have further coordinates, on the curve or surface.
             if parametric == 0 {
                 entry.end(POINT)?;
             } else if is_binary {

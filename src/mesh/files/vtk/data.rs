@@ -133,7 +133,7 @@ pub(super) fn of_base64(text: &[u8]) -> Result<Vec<u8>, String> {
     let mut rest = &clean[..];
     while !rest.is_empty() {
         let filling = rest.iter().position(|&byte| byte == b'=').unwrap_or(rest.len());
-        // a piece has at least four characters, otherwise padding without text would never end
+        // A piece has at least four characters; otherwise padding without text would cause an endless loop.
         let end = filling.div_ceil(4).max(1).saturating_mul(4).min(rest.len());
         STANDARD.decode_vec(&rest[..end], &mut bytes).map_err(|error| format!("it is no base64 text: {error}"))?;
         rest = &rest[end..];
@@ -161,7 +161,7 @@ pub(super) fn unpacked(data: &[u8], layout: Layout) -> Result<Vec<u8>, String> {
         let packed = data.get(at..end).ok_or_else(cut)?;
         let length = if block + 1 == count && last > 0 { last } else { size };
         let before = bytes.len();
-        // one byte beyond the announced length shows a block that is too long
+        // Reading one byte beyond the announced length detects a block that is too long.
         let unpacking = ZlibDecoder::new(packed).take(length as u64 + 1).read_to_end(&mut bytes);
         unpacking.map_err(|error| format!("a compressed block is damaged: {error}"))?;
         if bytes.len() - before != length {

@@ -26,7 +26,7 @@ pub(super) struct GridPiece {
     pub at: [Place; 2],
 }
 
-/// Content of a file.
+/// Nodes, cells and group numbers read from a VTK file, with the names of ignored arrays.
 pub(in crate::mesh::files) struct Content {
     pub tables: Tables,
     /// Names of arrays that were left out.
@@ -45,7 +45,7 @@ impl Content {
         self.left_out.insert(name.into());
     }
 
-    /// Adds a piece. Names of groups are given by array and value, or composed of both.
+    /// Adds a piece of the grid. Group names are looked up by array and value, otherwise composed of both.
     pub(super) fn add(&mut self, mut piece: GridPiece, names: &BTreeMap<(String, i64), String>) -> Result<(), MeshError> {
         let first = self.tables.points.len() as u64;
         for (index, point) in (first..).zip(piece.points.chunks_exact(3)) {
@@ -72,7 +72,7 @@ impl Content {
             let list = self.tables.groups_index(list);
             let nodes: Vec<u64> =
                 nodes.iter().map(|&node| u64::try_from(node).map_or(u64::MAX, |node| node.saturating_add(first))).collect();
-            // a cell of type 0 is empty
+            // Cells of type 0 are empty and are skipped.
             if vtk_type != 0 {
                 self.add_cell(self.cells + cell as u64, vtk_type, &nodes, list, piece.at[1])?;
             }
@@ -81,7 +81,7 @@ impl Content {
         Ok(())
     }
 
-    /// Group numbers of all values of each array, with their names.
+    /// Group numbers by array and value; registers the names of the groups.
     fn numbers_of_groups<'a>(
         &mut self,
         groups: &'a [(String, Vec<i64>)],
@@ -103,7 +103,7 @@ impl Content {
     fn add_cell(&mut self, number: u64, vtk_type: i64, nodes: &[u64], groups: u32, at: Place) -> Result<(), MeshError> {
         let row_of = |vtk_type: i64| CellKind::ALL.iter().copied().find(|kind| i64::from(kind.row().vtk_type) == vtk_type);
         let cell = |kind| Some((Shape::Cell(kind), &[][..]));
-        // polygons of three and four nodes, pixels and voxels, cells with nodes in their faces
+        // Polygons of three and four nodes, pixels, voxels, and cells with nodes in their faces are converted to supported kinds.
         let known: Option<(Shape, &[u8])> = match (vtk_type, nodes.len()) {
             (1, _) => Some((Shape::Point, &[])),
             (3 | 4, 2) => Some((Shape::Line(2), &[])),

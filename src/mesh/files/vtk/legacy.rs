@@ -6,10 +6,10 @@ use crate::mesh::MeshError;
 use crate::mesh::file_error::{FileError, FileProblem, Place};
 use crate::mesh::files::words::malformed;
 
-/// The content of a file.
+/// Reads the content of a VTK file in the legacy format.
 pub(in crate::mesh::files) fn read(bytes: &[u8]) -> Result<Content, MeshError> {
     let mut file = File { bytes, at: 0, is_binary: false };
-    // the version and a title
+    // Skips the line of the version and the title.
     file.line();
     file.line();
     let format = file.line().unwrap_or_default();
@@ -58,7 +58,7 @@ pub(in crate::mesh::files) fn read(bytes: &[u8]) -> Result<Content, MeshError> {
     Ok(content)
 }
 
-/// Owner of the arrays that are read.
+/// Data set to which the following arrays belong: the file, its points or its cells.
 #[derive(Clone, Copy)]
 enum Section {
     File,
@@ -83,7 +83,7 @@ fn cells(file: &mut File, piece: &mut GridPiece, [count, size]: [usize; 2]) -> R
     let line = file.next_line().unwrap_or_default();
     if line.to_ascii_uppercase().starts_with("OFFSETS") {
         let kind = |line: &str| line.split_ascii_whitespace().nth(1).unwrap_or_default().to_string();
-        // the first offset is 0, the last the length of the connectivity
+        // The first offset is 0, the last one the length of the connectivity.
         let offsets = file.whole(count, &kind(&line))?;
         piece.ends = offsets.get(1..).map(<[i64]>::to_vec).unwrap_or_default();
         let line = file.next_line().unwrap_or_default();
@@ -132,7 +132,7 @@ fn data(file: &mut File, words: &[&str], section: Section, piece: &mut GridPiece
         "TEXTURE_COORDINATES" => word(words, 2).parse().map_err(|_| malformed(at, "a number behind the keyword", word(words, 2)))?,
         "GLOBAL_IDS" | "PEDIGREE_IDS" => 1,
         "LOOKUP_TABLE" => {
-            // colors: bytes, or numbers from 0 to 1
+            // Colors of a lookup table, which are skipped: bytes in a binary file, numbers from 0 to 1 in a text.
             let count: usize = word(words, 2).parse().unwrap_or(0);
             return file.numbers(count.saturating_mul(4), if file.is_binary { "unsigned_char" } else { "float" }).map(drop);
         }

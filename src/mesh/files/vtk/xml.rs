@@ -15,7 +15,7 @@ use crate::mesh::file_error::{FileError, FileProblem, Place};
 /// Tag after which bytes follow that are not XML.
 const APPENDED: &[u8] = b"<AppendedData";
 
-/// The content of a file.
+/// Reads the content of a VTK file in the XML format.
 pub(in crate::mesh::files) fn read(bytes: &[u8]) -> Result<Content, MeshError> {
     let head_end = bytes.windows(APPENDED.len()).position(|window| window == APPENDED).unwrap_or(bytes.len());
     let mut head = utf8(&bytes[..head_end])?.to_string();

@@ -9,7 +9,7 @@ pub mod touched;
 pub mod values;
 pub mod verdicts;
 
-/// The functions of this topic.
+/// Script functions of this topic.
 pub fn functions() -> Vec<Function> {
     vec![values::expect(), values::expect_close(), conserved::expect_conserved(), touched::expect_contact(), values::expect_error()]
 }

@@ -43,7 +43,7 @@ impl Handle for FrictionHandle {
     }
 }
 
-/// The functions of this file.
+/// Script functions defined in this file.
 pub fn functions() -> Vec<Function> {
     vec![coulomb(), friction_curve(), rough()]
 }
@@ -213,7 +213,7 @@ fn rough() -> Function {
     }
 }
 
-/// The option `friction` of a contact.
+/// Description of the option `friction` of a contact.
 pub fn friction_parameter() -> Parameter {
     Parameter::new(
         "friction",

@@ -53,13 +53,13 @@ fn update_names() -> &'static [&'static str] {
     &NAMES
 }
 
-/// The option `method`.
+/// Description of the option `method`.
 pub fn method_parameter() -> Parameter {
     Parameter::new("method", Kind::Handle(ContactMethodHandle::NAME), "how the conditions are discretized between two surfaces")
         .or(Absent::Means("`mortar()`"))
 }
 
-/// The option `facets`.
+/// Description of the option `facets`.
 pub fn facets_parameter() -> Parameter {
     Parameter::new(
         "facets",
@@ -76,7 +76,7 @@ pub fn facets_of(options: &Options) -> Result<Option<FacetShape>, Failure> {
     if options.argument("facets").is_given() { options.text("facets").map(shape).map(Some) } else { Ok(None) }
 }
 
-/// The options `secondary_shape` and `primary_shape`.
+/// Descriptions of the options `secondary_shape` and `primary_shape`.
 pub fn shape_parameters() -> [Parameter; 2] {
     let secondary = "the exact shape of the secondary side, given as the obstacle with that border: `rigid_disk` or `rigid_ring` for a \
                      circle, `rigid_plane`, `rigid_sphere`, `rigid_cylinder`, `rigid_cone`, `rigid_torus`; all nodes of the side lie on it";
@@ -109,7 +109,7 @@ pub fn shapes_of(options: &Options, has_obstacle: bool) -> Result<[Option<Obstac
     Ok(shapes)
 }
 
-/// The options `update`, `penalty` and `augmented_lagrange`.
+/// Descriptions of the options `update`, `penalty` and `augmented_lagrange`.
 pub fn rule_parameters() -> [Parameter; 3] {
     [
         Parameter::new("update", Kind::Choice(update_names()), "the condition of a closed node over a step")

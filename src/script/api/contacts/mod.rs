@@ -8,7 +8,7 @@ pub mod obstacles;
 pub mod obstacles_in_space;
 pub mod pairs;
 
-/// The functions of this topic.
+/// Script functions of this topic.
 pub fn functions() -> Vec<Function> {
     let mut all = methods::functions();
     all.extend(friction::functions());

@@ -85,7 +85,7 @@ const IN_PLANE: &[&str] = &["add_contact", "rigid_plane", "rigid_disk", "rigid_r
 const IN_SPACE: &[&str] =
     &["add_contact", "rigid_plane", "rigid_sphere", "rigid_cylinder", "rigid_cone", "rigid_torus", "rigid_box", "rigid_surface"];
 
-/// The functions of this file.
+/// Script functions defined in this file.
 pub fn functions() -> Vec<Function> {
     vec![rigid_plane(), rigid_disk(), rigid_ring(), rigid_polyline()]
 }

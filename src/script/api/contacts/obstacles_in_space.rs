@@ -22,7 +22,7 @@ use crate::script::language::scan::Target;
 /// Radius of a finite cylinder's edges relative to its radius, or to half its length if smaller.
 const EDGE: f64 = 0.01;
 
-/// The functions of this file.
+/// Script functions defined in this file.
 pub fn functions() -> Vec<Function> {
     vec![rigid_sphere(), rigid_cylinder(), rigid_cone(), rigid_torus(), rigid_box(), rigid_surface()]
 }

@@ -31,7 +31,7 @@ impl Printed {
         }
     }
 
-    /// Returns the lines so far.
+    /// Returns the printed lines so far.
     pub fn of(host: &Host) -> Vec<String> {
         let printed = host.slots.get::<Printed>();
         let (first, last, dropped) = &*printed.0.borrow();

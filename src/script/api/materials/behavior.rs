@@ -21,7 +21,7 @@ const RUBBER: &str = "let rubber = mooney_rivlin(#{ c10: 0.16, c01: 0.02, bulk_m
 const STRETCHES: [f64; 2] = [0.5, 3.0];
 const POINTS: usize = 60;
 
-/// The functions of this file.
+/// Script functions defined in this file.
 pub fn functions() -> Vec<Function> {
     let stresses = [
         ("uniaxial", HomogeneousTest::Uniaxial, "nominal stress (force per undeformed area) of a bar pulled to a stretch, its sides free"),

@@ -18,7 +18,7 @@ use crate::script::language::sources::Place;
 use crate::script::language::values::{as_number, describe};
 use crate::script::language::wording::{did_you_mean, listed};
 
-/// The functions of this file.
+/// Script functions defined in this file.
 pub fn functions() -> Vec<Function> {
     vec![hyperelastic()]
 }
@@ -70,7 +70,7 @@ fn hyperelastic() -> Function {
     }
 }
 
-/// The energy of an argument.
+/// Stored energy given as text in an argument.
 fn text_of(argument: &Argument) -> Result<EnergyText, Failure> {
     EnergyText::parse(&argument.text()?).map_err(|error| refused(argument, &error))
 }
@@ -151,7 +151,7 @@ fn unused(call: &Call, options: &Options, key: &str, named: &[String]) -> Failur
     failure.hint(did_you_mean(key, named.iter().map(String::as_str).chain(keys)).unwrap_or_else(|| "remove it".into()))
 }
 
-/// Directions of fibers.
+/// Fiber directions in the options.
 fn fibers_of(options: &Options) -> Result<Vec<[f64; 3]>, Failure> {
     let (one, several) = (options.argument("fiber"), options.argument("fibers"));
     match (one.is_given(), several.is_given()) {

@@ -60,7 +60,7 @@ fn constructor(row: &'static MaterialRow) -> Function {
     }
 }
 
-/// The functions of this topic.
+/// Script functions of this topic.
 pub fn functions() -> Vec<Function> {
     let mut all: Vec<Function> = CATALOGUE.iter().filter(|row| row.is_usual()).chain(LINEAR).map(constructor).collect();
     all.push(Function {

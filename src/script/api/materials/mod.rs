@@ -13,7 +13,7 @@ use crate::script::language::function::Function;
 
 pub use handle::MaterialHandle;
 
-/// The functions of this topic.
+/// Script functions of this topic.
 pub fn functions() -> Vec<Function> {
     let mut all = laws::functions();
     all.extend(energies::functions());

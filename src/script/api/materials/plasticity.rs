@@ -21,7 +21,7 @@ const STEEL: &str = "let steel = elastic_plastic(#{ youngs_modulus: 210e3, poiss
 const FORMS: &str = "a modulus; points `[[plastic strain, yield stress], …]`; or an object map, `#{ saturation, exponent, modulus }`, \
                      `#{ strain, exponent }` or `#{ modulus, exponent }`";
 
-/// The functions of this file.
+/// Script functions defined in this file.
 pub fn functions() -> Vec<Function> {
     vec![elastic_plastic(), back_stress(), rate_dependent(), hardening_curve()]
 }
@@ -150,7 +150,7 @@ fn hardening_of(argument: &Argument) -> Result<Hardening, Failure> {
     }
 }
 
-/// Pairs of numbers.
+/// Pairs of numbers in an argument.
 fn points_of(argument: &Argument, points: &Array) -> Result<Vec<[f64; 2]>, Failure> {
     let pair = |(index, value): (usize, &Dynamic)| {
         let both = value.read_lock::<Array>().map(|pair| pair.iter().filter_map(as_number).collect::<Vec<f64>>());
@@ -164,7 +164,7 @@ fn points_of(argument: &Argument, points: &Array) -> Result<Vec<[f64; 2]>, Failu
     points.iter().enumerate().map(pair).collect()
 }
 
-/// The plastic constants of the receiver.
+/// Constants of the elastic-plastic material on which the method is called.
 fn receiver(call: &Call) -> Result<ElasticPlastic, Failure> {
     let MaterialHandle(material) = call.receiver();
     material.plasticity().cloned().ok_or_else(|| {

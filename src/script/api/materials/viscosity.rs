@@ -12,7 +12,7 @@ use crate::script::language::parameter::{Absent, Kind, Parameter};
 
 const RUBBER: &str = "let rubber = neo_hookean(#{ youngs_modulus: 1.0, poisson_ratio: 0.4, density: 1.0 });\n";
 
-/// The functions of this file.
+/// Script functions defined in this file.
 pub fn functions() -> Vec<Function> {
     vec![viscous(), relaxing()]
 }

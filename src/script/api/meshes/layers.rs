@@ -12,7 +12,7 @@ use crate::script::language::failure::Failure;
 use crate::script::language::parameter::{Absent, Kind, Parameter};
 use crate::script::language::values::describe;
 
-/// The option `layers`.
+/// Description of the option `layers`.
 pub fn parameter() -> Parameter {
     let keys = vec![
         Parameter::new("boundary", Kind::Either("a boundary's name or an array of names"), "where the layers are"),

@@ -17,7 +17,7 @@ pub mod solids;
 pub mod sweeps;
 pub mod transforms;
 
-/// The functions of this topic.
+/// Script functions of this topic.
 pub fn functions() -> Vec<Function> {
     let mut all = generators::functions();
     all.extend(solids::functions());

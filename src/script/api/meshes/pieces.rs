@@ -20,7 +20,7 @@ use crate::script::language::scan::Target;
 const SAME_DIRECTION: f64 = std::f64::consts::PI / 36.0;
 const SAME_SIDE: f64 = std::f64::consts::PI / 9.0;
 
-/// The functions of this file.
+/// Script functions defined in this file.
 pub fn functions() -> Vec<Function> {
     vec![pieces(), part_where(), boundary_by_normal(), boundary_from(), boundary_near()]
 }
@@ -251,7 +251,7 @@ impl Shape {
         }
     }
 
-    /// Distance of a point.
+    /// Distance of a point from the surface `[length]`.
     fn distance(&self, x: [f64; 3]) -> f64 {
         let from = |center: &[f64; 3]| [0, 1, 2].map(|i| x[i] - center[i]);
         let dot = |a: &[f64; 3], b: &[f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];

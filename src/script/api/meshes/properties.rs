@@ -7,7 +7,7 @@ use crate::mesh::Mesh;
 use crate::script::language::function::{Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
 
-/// The functions of this file.
+/// Script functions defined in this file.
 pub fn functions() -> Vec<Function> {
     let receiver = MeshHandle::receiver();
     let property = |name: &'static str, summary: &'static str, returns: &'static str, read: fn(&Mesh) -> Dynamic| Function {

@@ -21,7 +21,7 @@ use crate::script::language::values::{as_number, describe};
 /// Angle in radians above which degrees are assumed to be meant: slightly more than a full turn.
 const MOST_TURNED: f64 = 1.001 * std::f64::consts::TAU;
 
-/// The functions of this file.
+/// Script functions defined in this file.
 pub fn functions() -> Vec<Function> {
     vec![translate(), rotate(), scale(), map_function(), refine(), part(), join()]
 }

@@ -51,7 +51,7 @@ pub fn friction_options() -> Vec<Parameter> {
     ]
 }
 
-/// Friction of a joint; `None` without a key of it.
+/// Friction of a joint; `None` if the options have none of the keys of friction.
 pub fn friction_of(options: &Options, joint: &JointDefinition, dimension: usize) -> Result<Option<JointFriction>, Failure> {
     let given = |key: &str| options.argument(key).is_given();
     if !["friction", "radius", "preload", "friction_moment", "friction_force"].into_iter().any(given) {

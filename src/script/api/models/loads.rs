@@ -21,7 +21,7 @@ use crate::script::language::function::{Call, Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
 use crate::script::language::parameter::{Absent, Kind, Parameter};
 
-/// The functions of this file.
+/// Script functions defined in this file.
 pub fn functions() -> Vec<Function> {
     vec![
         directed(
@@ -43,7 +43,7 @@ pub fn functions() -> Vec<Function> {
     ]
 }
 
-/// A load with a direction.
+/// Script function for a load given by a vector.
 fn directed(
     name: &'static str,
     summary: &'static str,

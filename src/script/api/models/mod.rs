@@ -28,7 +28,7 @@ pub mod rigid;
 pub mod springs;
 pub mod supports;
 
-/// The functions of this topic, in the order of the reference.
+/// Script functions of this topic, in the order of the reference.
 pub fn functions() -> Vec<Function> {
     let mut all = vec![
         building::model(),

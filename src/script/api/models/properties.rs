@@ -7,7 +7,7 @@ use crate::script::api::examples::plate_example;
 use crate::script::language::function::{Call, Form, Function, Topic, body};
 use crate::script::language::handle::{Handle, Receiver};
 
-/// The functions of this file.
+/// Script functions defined in this file.
 pub fn functions() -> Vec<Function> {
     vec![
         member(ModelHandle::receiver(), "name", "the name of the model", "String", |call| {
@@ -21,7 +21,7 @@ pub fn functions() -> Vec<Function> {
     ]
 }
 
-/// A property of a model or of a body.
+/// Script function for a property of a model or of a body.
 pub fn member(
     receiver: Receiver,
     name: &'static str,

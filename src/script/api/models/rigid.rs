@@ -277,7 +277,7 @@ fn kind_of(options: &Options, model: &Model) -> Result<JointKind, Failure> {
     })
 }
 
-/// The limits of a joint.
+/// Least and largest coordinate of a joint, from the option `limits`.
 fn limits_of(options: &Options) -> Result<Option<[f64; 2]>, Failure> {
     let argument = options.argument("limits");
     if !argument.is_given() {

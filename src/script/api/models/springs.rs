@@ -61,7 +61,7 @@ pub fn add_spring() -> Function {
     }
 }
 
-/// The keys of a law.
+/// Keys of a spring's force law.
 fn law_parameters(of_stiffness: &'static str, stiffness: &'static str) -> [Parameter; 5] {
     let optional = |name, kind, what| Parameter::new(name, kind, what).or(Absent::Means("one of `stiffness`, `table`, `energy` is given"));
     [

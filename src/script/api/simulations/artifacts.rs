@@ -31,7 +31,7 @@ pub struct RecordingLimits {
 
 /// Columns of probes at the start of a simulation, and the units of its results.
 pub struct Columns {
-    /// Columns of probes.
+    /// History columns of probes.
     pub probes: Vec<HistoryColumn>,
     /// Units of the results; `None` where the script declares none.
     pub units: Option<ModelUnits>,
@@ -424,7 +424,7 @@ fn add_columns(listed: &mut ListedUnits, columns: &[HistoryColumn], units: &Mode
     listed.add_columns(columns.iter().map(|(name, dimension)| (name.as_str(), *dimension)), units);
 }
 
-/// Function that opens a series.
+/// Function that opens a series of field files.
 type Open = fn(&RunFiles, &str) -> Result<FieldSeries, OutputError>;
 
 /// Returns the series of a model's rigid obstacles; `None` without obstacles.

@@ -42,7 +42,7 @@ impl Handle for BucklingHandle {
     }
 }
 
-/// The functions of this file.
+/// Script functions defined in this file.
 pub fn functions() -> Vec<Function> {
     vec![buckling(), factors(), shape()]
 }
@@ -100,7 +100,7 @@ fn warn(call: &Call, buckling: &Buckling) {
     }
 }
 
-/// The failure of `buckling`.
+/// Error message of a refused `buckling`.
 fn refused(call: &Call, handle: &SimulationHandle, error: BucklingError) -> Failure {
     let (title, code) = (error.to_string(), error.code());
     let failure = match error {

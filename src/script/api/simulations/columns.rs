@@ -26,7 +26,7 @@ const PLASTIC_WORK: &str = "plastic_work";
 /// Column of a history: its name, and its dimension as in [`Quantity::dimension`].
 pub type HistoryColumn = (String, &'static str);
 
-/// Names of columns.
+/// Names of history columns, without their dimensions.
 pub fn names(columns: Vec<HistoryColumn>) -> Vec<String> {
     columns.into_iter().map(|(name, _)| name).collect()
 }

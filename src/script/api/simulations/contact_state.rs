@@ -47,7 +47,7 @@ impl Handle for ContactHandle {
     }
 }
 
-/// The functions of this file.
+/// Script functions defined in this file.
 pub fn functions() -> Vec<Function> {
     vec![
         contact(),

@@ -19,7 +19,7 @@ use crate::script::language::parameter::{Absent, Kind, Parameter};
 /// Names of the lumping methods.
 const MASSES: &[&str] = &[Lumping::ALL[0].0, Lumping::ALL[1].0, Lumping::ALL[2].0];
 
-/// The functions of this file.
+/// Script functions defined in this file.
 pub fn functions() -> Vec<Function> {
     vec![integrator(), stable_step(), stable_step_now()]
 }

@@ -90,7 +90,7 @@ pub(super) fn vector(values: &[f64; 3], dimension: usize) -> Dynamic {
     values[..dimension].iter().map(|&value| value.into()).collect::<Array>().into()
 }
 
-/// The functions of this file.
+/// Script functions defined in this file.
 pub fn functions() -> Vec<Function> {
     let mut all = vec![field(), extremes(), body_state()];
     let number = |name, summary, read: fn(&BodyTotals) -> f64| property(name, "", summary, move |state| read(&state.totals).into());

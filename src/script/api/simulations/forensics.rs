@@ -122,7 +122,7 @@ fn iteration_map(iteration: &IterationReport) -> Map {
     entries.into_iter().map(|(name, value)| (name.into(), value)).collect()
 }
 
-/// The functions of this file.
+/// Script functions defined in this file.
 pub fn functions() -> Vec<Function> {
     vec![why(), write_failed(), failed(), iterations(), cause()]
 }

@@ -83,7 +83,7 @@ pub struct SimulationData {
     pub is_known: Cell<bool>,
     /// Units of the results; `None` where the script declares none.
     pub units: Option<ModelUnits>,
-    /// Evaluation of the rows at the last look.
+    /// Findings and energy account at the last evaluation.
     pub found: RefCell<Option<Rc<Found>>>,
 }
 

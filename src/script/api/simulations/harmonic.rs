@@ -51,13 +51,13 @@ impl Handle for ResponseHandle {
 }
 
 impl ResponseHandle {
-    /// Oscillations per time of the script.
+    /// Frequencies in oscillations per unit of time of the script.
     fn frequencies(&self) -> Vec<f64> {
         self.response.frequencies.iter().map(|frequency| frequency * self.unit / TAU).collect()
     }
 }
 
-/// The functions of this file.
+/// Script functions defined in this file.
 pub fn functions() -> Vec<Function> {
     vec![harmonic_response(), frequencies(), at()]
 }
@@ -162,7 +162,7 @@ fn boundary_of(handle: &SimulationHandle, argument: &Argument) -> Result<BodyBou
     }
 }
 
-/// The failure of `harmonic_response`.
+/// Error message of a refused `harmonic_response`.
 fn refused(call: &Call, handle: &SimulationHandle, error: HarmonicError, unit: f64) -> Failure {
     let in_script = |frequency: f64| brief(frequency * unit / TAU);
     let code = error.code();

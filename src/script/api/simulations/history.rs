@@ -31,7 +31,7 @@ impl Handle for HistoryHandle {
     }
 }
 
-/// The functions of this file.
+/// Script functions defined in this file.
 pub fn functions() -> Vec<Function> {
     vec![history(), columns(), column()]
 }

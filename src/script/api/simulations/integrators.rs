@@ -37,7 +37,7 @@ pub fn title(integrator: &Scheme) -> String {
     format!("{}(#{{ {} }})", integrator.name, given.join(", "))
 }
 
-/// The functions of this file.
+/// Script functions defined in this file.
 pub fn functions() -> Vec<Function> {
     integrators::CATALOGUE.iter().map(|&integrator| integrator_function(integrator)).collect()
 }

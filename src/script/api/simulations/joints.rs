@@ -50,7 +50,7 @@ impl Handle for JointHandle {
 const TIME: &str = "the time to which force and moment belong, which are means over the last step: its middle with integrators whose \
                     forces act there, such as `energy_momentum()`, else its end";
 
-/// The functions of this file.
+/// Script functions defined in this file.
 pub fn functions() -> Vec<Function> {
     vec![
         joint(),

@@ -56,7 +56,7 @@ pub(super) struct Pages {
     pub(super) problem: Option<OutputError>,
     /// True while the failed computation is repeated, which is already in the journal.
     pub(super) repeats: bool,
-    /// Computations since the last checkpoint.
+    /// Number of computations since the last checkpoint.
     pub(super) new: usize,
     /// Moment of the last checkpoint, and the time spent on writing it.
     pub(super) last: Option<(Instant, Duration)>,

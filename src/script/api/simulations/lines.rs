@@ -57,7 +57,7 @@ impl Handle for LineHandle {
     }
 }
 
-/// The functions of this file.
+/// Script functions defined in this file.
 pub fn functions() -> Vec<Function> {
     vec![along(), distance(), field(), linearized()]
 }

@@ -51,7 +51,7 @@ mod told;
 pub mod warnings;
 pub mod writing;
 
-/// The functions of this topic, in the order of the reference, with those of probes and results.
+/// Script functions of this topic, in the order of the reference, with those of probes and results.
 pub fn functions() -> Vec<Function> {
     let mut all = integrators::functions();
     all.extend(explicit::functions());

@@ -153,7 +153,7 @@ impl ModesHandle {
     }
 }
 
-/// The functions of this file.
+/// Script functions defined in this file.
 pub fn functions() -> Vec<Function> {
     let mut all = vec![modes()];
     all.extend(properties());
@@ -291,7 +291,7 @@ pub(super) fn warn_of_turning(call: &Call, handle: &SimulationHandle) {
     }
 }
 
-/// An array of numbers.
+/// Numbers as an array of the language.
 pub(super) fn array(values: impl IntoIterator<Item = f64>) -> Dynamic {
     values.into_iter().map(Dynamic::from).collect::<Array>().into()
 }
@@ -353,7 +353,7 @@ fn property(name: &'static str, returns: &'static str, summary: &'static str, re
     }
 }
 
-/// Which mode.
+/// Argument that selects a mode by its number.
 fn mode_parameter() -> Parameter {
     Parameter::new("mode", Kind::Integer, "number of the mode, from 0").within(Interval::Closed(0.0, MOST))
 }

@@ -80,7 +80,7 @@ fn end_of(end: &PathEnd) -> &'static str {
     }
 }
 
-/// The functions of this file.
+/// Script functions defined in this file.
 pub fn functions() -> Vec<Function> {
     vec![follow_load(), column(), critical(), unstable(), end(), state()]
 }
@@ -159,7 +159,7 @@ fn path_options(handle: &SimulationHandle, options: &Options) -> Result<PathOpti
     Ok(PathOptions { until, increment, points, by_arc: options.flag("arc_length")? })
 }
 
-/// The failure of `follow_load`.
+/// Error message of a refused `follow_load`.
 fn refused(call: &Call, handle: &SimulationHandle, error: PathError) -> Failure {
     let (title, code) = (error.to_string(), error.code());
     match error {

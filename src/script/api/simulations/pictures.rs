@@ -25,7 +25,7 @@ use crate::script::language::values::{as_number, describe};
 /// Names of the axes that may point up.
 const AXES: &[&str] = &["x", "y", "z"];
 
-/// Names of a table's first column, for choices.
+/// Names in the first column of a table, as choices of an option.
 macro_rules! names {
     ($table:expr) => {{
         static NAMES: LazyLock<Vec<&str>> = LazyLock::new(|| $table.iter().map(|row| row.0).collect());

@@ -80,7 +80,7 @@ impl SimulationHandle {
     }
 }
 
-/// The functions of this file.
+/// Script functions defined in this file.
 pub fn functions() -> Vec<Function> {
     let mut all = vec![probe(), field()];
     let property = |name: &'static str, summary: &'static str, read: fn(&ProbeValues, [f64; 3]) -> [f64; 3]| Function {

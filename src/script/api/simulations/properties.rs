@@ -12,7 +12,7 @@ use crate::script::api::models::handle::{BodyHandle, ModelHandle};
 use crate::script::language::function::{Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
 
-/// The functions of this file.
+/// Script functions defined in this file.
 pub fn functions() -> Vec<Function> {
     vec![
         time(),

@@ -43,7 +43,7 @@ impl Handle for ReactionHandle {
     }
 }
 
-/// The functions of this file.
+/// Script functions defined in this file.
 pub fn functions() -> Vec<Function> {
     vec![
         reaction(),

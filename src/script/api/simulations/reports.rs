@@ -167,7 +167,7 @@ pub fn parameters(host: &Host) -> BTreeMap<String, Value> {
     host.slots.get::<Overrides>().parameters().into_iter().map(|(name, value)| (name, json(&value))).collect()
 }
 
-/// The value of a parameter for a file.
+/// Value of a script parameter as JSON, for a file of results.
 pub fn json(value: &Dynamic) -> Value {
     match (value.as_bool(), value.as_int(), value.as_float()) {
         (Ok(flag), ..) => flag.into(),

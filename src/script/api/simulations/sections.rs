@@ -48,7 +48,7 @@ impl Handle for SectionHandle {
     }
 }
 
-/// The functions of this file.
+/// Script functions defined in this file.
 pub fn functions() -> Vec<Function> {
     vec![
         section_force(),

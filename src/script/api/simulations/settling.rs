@@ -59,7 +59,7 @@ pub fn settle() -> Function {
     }
 }
 
-/// The option of `settle`.
+/// Description of the option `friction` of `settle`.
 fn friction_parameter() -> Parameter {
     Parameter::new("friction", Kind::Flag, "whether friction acts; without it surfaces slide freely").or(Absent::Flag(true))
 }

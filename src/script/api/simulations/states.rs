@@ -71,7 +71,7 @@ impl Handle for StateHandle {
     }
 }
 
-/// The functions of this file.
+/// Script functions defined in this file.
 pub fn functions() -> Vec<Function> {
     vec![save(), restore(), back(), branch(), set(), dt()]
 }

@@ -8,7 +8,7 @@ use crate::script::api::examples::plate_example;
 use crate::script::language::function::{Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
 
-/// The functions of this file.
+/// Script functions defined in this file.
 pub fn functions() -> Vec<Function> {
     vec![Function {
         name: STATICS.name,

@@ -1,4 +1,4 @@
-//! Options that say what the stills of a run have, for movies and the report.
+//! Options for the content of stills: recorded states of a run, for movies and the report.
 
 use rhai::Dynamic;
 

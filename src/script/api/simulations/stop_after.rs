@@ -13,7 +13,7 @@ use crate::script::language::failure::{Class, Failure};
 use crate::script::language::function::{Call, Form, Function, Topic, body};
 use crate::script::language::parameter::{Kind, Parameter};
 
-/// The functions of this file.
+/// Script functions defined in this file.
 pub fn functions() -> Vec<Function> {
     vec![Function {
         name: "stop_after",

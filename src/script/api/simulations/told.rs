@@ -1,10 +1,10 @@
-//! Numbers of a simulation as texts with their units, for what the prompt and `print` show.
+//! Numbers of a simulation as texts with their units, for the prompt and `print`.
 
 use super::handle::SimulationHandle;
 use crate::output::{ModelUnits, pretty_unit};
 use crate::script::language::digits::{brief, brief_vector};
 
-/// Units in which a value tells its numbers; none where the script declares none.
+/// Units of the numbers in a text; `None` where the script declares none.
 #[derive(Clone)]
 pub struct ScriptOutput(Option<ModelUnits>);
 

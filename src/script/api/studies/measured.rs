@@ -66,7 +66,7 @@ fn read(call: &Call) -> Result<Map, Failure> {
     Ok(table)
 }
 
-/// `force` of `force [N]`.
+/// Column name without its unit, such as `force` for `force [N]`; `None` for a header without a unit.
 fn without_unit(header: &str) -> Option<&str> {
     let name = header.strip_suffix(']').and_then(|header| header.split_once('['))?.0.trim_end();
     (!name.is_empty()).then_some(name)

@@ -26,7 +26,7 @@ pub const FAILURE: &str = "failure";
 #[derive(Default)]
 struct Names(RefCell<BTreeSet<String>>);
 
-/// The option `name`.
+/// Description of the option `name`.
 pub fn name_parameter(absent: &'static str) -> Parameter {
     Parameter::new("name", Kind::Text, "name of its table in the folder `studies` of the run: letters, digits, `-` and `_`")
         .or(Absent::Text(absent))

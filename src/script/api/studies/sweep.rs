@@ -69,7 +69,7 @@ pub fn sweep() -> Function {
     }
 }
 
-/// The option `threads`.
+/// Description of the option `threads`.
 pub fn threads_parameter() -> Parameter {
     Parameter::new("threads", Kind::Integer, "points that are computed at a time; results do not depend on it")
         .within(Interval::Closed(1.0, MOST_THREADS))

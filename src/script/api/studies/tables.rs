@@ -19,7 +19,7 @@ use crate::script::language::wording::{did_you_mean, listed};
 /// Largest number of letters of a text in a printed table.
 const SHOWN: usize = 60;
 
-/// The functions of this file.
+/// Script functions defined in this file.
 pub fn functions() -> Vec<Function> {
     vec![format_table(), write_table()]
 }

@@ -9,7 +9,7 @@ pub use declared::{DeclaredUnits, model_units, refused_unit};
 
 use crate::script::language::function::Function;
 
-/// The functions of this topic.
+/// Script functions of this topic.
 pub fn functions() -> Vec<Function> {
     let mut all = vec![declared::units()];
     all.extend(quantities::functions());

@@ -22,7 +22,7 @@ const SHORT: &[(&str, &str, &str)] = &[
     ("kg_m3", "kg/m^3", "a density in kilograms per cubic meter as a number in the declared units"),
 ];
 
-/// The functions of this file.
+/// Script functions defined in this file.
 pub fn functions() -> Vec<Function> {
     let mut all = vec![quantity(), in_unit()];
     all.extend(SHORT.iter().map(|&(name, unit, summary)| short(name, unit, summary)));

@@ -22,7 +22,7 @@ impl Explainer<'_> {
         self.host.place(self.engine, source, position, &Target::Call, false)
     }
 
-    /// A source in tokens.
+    /// Tokens of a source.
     pub(super) fn lexemes(&self, source: &str) -> Option<Vec<scan::Lexeme>> {
         let source = if source.is_empty() { self.host.main.borrow().clone() } else { source.to_string() };
         self.host.sources.text(&source).map(|text| scan::lexemes(self.engine, &text))

@@ -12,7 +12,7 @@ pub(super) fn distinct<'a>(names: &[&'a str]) -> Vec<&'a str> {
     names
 }
 
-/// `ring (map, i64)` as name and types.
+/// Splits the engine's text of a call, such as `ring (map, i64)`, into name and types.
 pub(super) fn split_signature(signature: &str) -> (&str, Vec<String>) {
     let Some((name, rest)) = signature.split_once(" (") else { return (signature.trim(), Vec::new()) };
     let types = rest.strip_suffix(')').unwrap_or(rest);
@@ -125,7 +125,7 @@ pub(super) fn call_title(name: &str, place: Option<&Place>) -> String {
     }
 }
 
-/// `1 entry`, `2 entries`.
+/// Count with its noun in singular or plural: `1 entry`, `2 entries`.
 pub(super) fn count_of(count: usize, one: &str, many: &str) -> String {
     format!("{count} {}", if count == 1 { one } else { many })
 }
