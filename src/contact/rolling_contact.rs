@@ -4,10 +4,11 @@ use super::kernel::ContactKernel;
 use super::numbers::Number;
 use super::patches::Evaluation;
 use super::rigid_shape::{Obstacle, Shape};
+use super::rollers::RoundBody;
 use super::rolling::{RollingContact, Slips};
-use super::round_parts::RoundPart;
+use super::round_parts::{Curvature, RoundPart};
 use super::slip::{self, SlipRows, SlipStep};
-use super::space::ShapeInSpace;
+use super::space::{ObstacleInSpace, ShapeInSpace};
 use super::surface::Surface;
 
 /// Contact of round parts of a rigid body's surface with an obstacle. `shares_of` maps a reference point to the body's masters (model node
@@ -23,6 +24,25 @@ pub fn rolling_contact(
         Obstacle::InSpace(shape) => Box::new(RollingContact::new(surface, parts, ShapeInSpace::new(shape), shares_of, reference)),
         _ => Box::new(RollingContact::new(surface, parts, Shape::new(obstacle), shares_of, reference)),
     }
+}
+
+/// Contact of a round rigid body, with the boundary `surface`, with others: circles in the plane, spheres in space.
+pub fn round_contact(surface: Surface, secondary: &RoundBody, primary: Vec<RoundBody>, reference: &[f64]) -> Box<dyn ContactKernel> {
+    if surface.dimension() == 2 {
+        let shape = |radius: f64, curvature: Curvature| {
+            let center = [0.0; 2];
+            Shape::new(&match curvature {
+                Curvature::Convex => Obstacle::Disk { center, radius },
+                Curvature::Hollow => Obstacle::Ring { center, radius },
+            })
+        };
+        return Box::new(RollingContact::<2, _>::between(surface, secondary, primary, &shape, reference));
+    }
+    let shape = |radius: f64, curvature: Curvature| {
+        let is_hollow = curvature == Curvature::Hollow;
+        ShapeInSpace::new(&ObstacleInSpace::Sphere { center: [0.0; 3], radius, axis: [0.0, 0.0, 1.0], is_hollow })
+    };
+    Box::new(RollingContact::<3, _>::between(surface, secondary, primary, &shape, reference))
 }
 
 /// Slip of round parts in the plane relative to the translating and rotating obstacle.
@@ -48,13 +68,16 @@ impl SlipRows for RollingContact<2, Shape> {
     }
 
     fn is_relative(&self, _p: usize) -> bool {
-        false
+        !self.is_on_obstacle()
     }
 
     fn other_side(&self) -> slip::Carrier {
         let ([x, y, _], angle) = self.carried;
         let [a, b, _] = self.translations[1];
-        self.shape.carrier(([x, y], angle), [a, b])
+        match self.shape() {
+            Some(shape) if self.is_on_obstacle() => shape.carrier(([x, y], angle), [a, b]),
+            _ => slip::Carrier::default(),
+        }
     }
 }
 
