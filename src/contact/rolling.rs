@@ -22,8 +22,18 @@
 //! the contact point `x = C - R n`, because its line of action contains both. Friction depends on the slip of this material point, `x =
 //! sum_k a_k z_k` with the coefficients `a_k` at mid-step.
 //!
-//! A constraint is present in a step if the part faces the obstacle at its start. Nodes inside of a part have no constraints: they are
-//! never nearer than its circle. Each part has as many constraints as sides of the obstacle can touch it simultaneously.
+//! Two round rigid bodies touch likewise: with the center of the other body as the origin, the other body is a round obstacle, and its
+//! masters enter with negative coefficients,
+//!
+//! ```text
+//! Phi = w (g(C - C') - R),    C - C' = sum_k c_k z_k - sum_l c'_l z'_l
+//! ```
+//!
+//! The contact point is one material point of each body at `x = C - R n`, so that friction forces have no resulting moment either.
+//!
+//! A constraint is present in a step if the part faces the obstacle at its start, or the other body is near. Nodes inside of a part have no
+//! constraints: they are never nearer than its circle. Each part has as many constraints as sides of the obstacle can touch it
+//! simultaneously.
 
 use std::ops::Range;
 
@@ -33,29 +43,28 @@ use super::kernel::{CandidateSearch, PatchFunctions, RigidObstacle};
 use super::numbers::Number;
 use super::obstacle_side::{Local, ObstacleSide};
 use super::patches::Evaluation;
-use super::round_parts::RoundPart;
+use super::rollers::{MASTERS, Roller, RoundBody};
+use super::round_parts::{Curvature, RoundPart};
 use super::slip::SlipStep;
 use super::surface::{Sides, Surface};
 use super::tilt::Tilt;
+use super::window::PredictedMotion;
 use crate::integrators::{Configuration, Derivative};
 use crate::math::tolerances::CROSSING;
 
-/// Round part and the masters of its body.
-#[derive(Clone, Debug)]
-struct Roller {
-    part: RoundPart,
-    /// Model node numbers of the masters, with their coefficients in the center.
-    masters: Vec<(u32, f64)>,
-    /// Coefficients of the axis vector of a rim as a linear combination of the masters' positions; `None` without an axis.
-    axis: Option<Vec<f64>>,
-}
+/// Distance between two round bodies, relative to the smaller radius, up to which their constraint is part of the equations, in addition to
+/// the distance that they approach in a step.
+const NEAR: f64 = 0.25;
 
-/// Contact of the round parts of a rigid body with a rigid obstacle.
+/// Contact of the round parts of a rigid body with a rigid obstacle, or with other round rigid bodies.
 #[derive(Clone, Debug)]
 pub(super) struct RollingContact<const D: usize, S> {
     sides: Sides,
-    rollers: Vec<Roller>,
-    pub(super) shape: S,
+    rollers: Vec<Roller<S>>,
+    /// Number of constraints of each part.
+    count: usize,
+    /// True for each part whose constraints are in the equations.
+    is_near: Vec<bool>,
     pub(super) translations: [[f64; 3]; 3],
     /// Displacement `[length]` and rotation angle `[rad]` of the obstacle's surface in the step, relative to which slip is measured.
     pub(super) carried: ([f64; 3], f64),
@@ -77,39 +86,78 @@ impl<const D: usize, S: ObstacleSide<D>> RollingContact<D, S> {
         shares_of: &dyn Fn([f64; 3]) -> Vec<(u32, f64)>,
         reference: &[f64],
     ) -> Self {
+        let rollers = parts.into_iter().map(|part| Roller::on_obstacle(part, shape.clone(), shares_of)).collect();
+        RollingContact::of_rollers(surface, rollers, shape.sides(), reference)
+    }
+
+    /// Contact of a round rigid body with others; at least one of two bodies is convex. `shape_of` is the obstacle with this border about
+    /// the origin.
+    pub fn between(
+        surface: Surface,
+        secondary: &RoundBody,
+        primary: Vec<RoundBody>,
+        shape_of: &dyn Fn(f64, Curvature) -> S,
+        reference: &[f64],
+    ) -> Self {
+        let rollers = primary.into_iter().map(|other| Roller::between(secondary, other, shape_of)).collect();
+        RollingContact::of_rollers(surface, rollers, 1, reference)
+    }
+
+    fn of_rollers(surface: Surface, rollers: Vec<Roller<S>>, count: usize, reference: &[f64]) -> Self {
         let mut sides = Sides::of(surface, if D == 2 { Surface::new(&[]) } else { Surface::in_space([]) }, reference);
-        let count = shape.sides();
-        sides.weights = vec![sides.facet_size.powi(D as i32 - 1); count * parts.len()];
-        let roller = |part: RoundPart| {
-            let masters = shares_of(part.center.into());
-            let to = part.axis.map(|axis| shares_of((part.center + axis).into()));
-            let axis = to.map(|to| to.iter().zip(&masters).map(|(to, from)| to.1 - from.1).collect());
-            Roller { masters, axis, part }
-        };
-        let rollers: Vec<Roller> = parts.into_iter().map(roller).collect();
-        for (p, roller) in rollers.iter().enumerate() {
-            let nodes: Vec<u32> = roller.masters.iter().map(|(node, _)| *node).collect();
-            let rows: Vec<u32> = (count * p..count * (p + 1)).map(|row| row as u32).collect();
-            sides.patches.push(&nodes, &rows);
-        }
-        if D == 3 {
-            sides.list_slips();
-        }
-        let nearest = rollers.iter().map(|roller| roller.part.inside[0]).collect();
+        sides.weights = vec![sides.facet_size.powi(D as i32 - 1); count * rollers.len()];
+        let nearest = rollers.iter().map(|roller| roller.secondary()[0]).collect();
         let obstacle_sides = vec![None; sides.weights.len()];
         let at_start = vec![Tilt::of(0.0); sides.weights.len()];
         let start = vec![SVector::zeros(); rollers.len()];
-        RollingContact {
+        let is_near = vec![true; rollers.len()];
+        let mut contact = RollingContact {
             sides,
             rollers,
-            shape,
+            count,
+            is_near,
             translations: [[0.0; 3]; 3],
             carried: Default::default(),
             start,
             at_start,
             nearest,
             obstacle_sides,
+        };
+        contact.list_elements();
+        contact
+    }
+
+    /// Lists one contact element for each part; that of a part that is not near is empty.
+    fn list_elements(&mut self) {
+        self.sides.patches.clear();
+        for (p, roller) in self.rollers.iter().enumerate() {
+            let rows: Vec<u32> = self.rows_of(p).map(|row| row as u32).collect();
+            let nodes: Vec<u32> = roller.masters.iter().map(|(node, _)| *node).collect();
+            if self.is_near[p] {
+                self.sides.patches.push(&nodes, &rows);
+            } else {
+                self.sides.patches.push(&[], &[]);
+            }
         }
+        if D == 3 {
+            self.sides.list_slips();
+        }
+    }
+
+    /// True if the other side is an obstacle.
+    pub(super) fn is_on_obstacle(&self) -> bool {
+        self.rollers.first().is_some_and(|roller| roller.other.is_none())
+    }
+
+    /// Shape of the obstacle, or of the first of the other bodies.
+    pub(super) fn shape(&self) -> Option<&S> {
+        self.rollers.first().map(|roller| &roller.shape)
+    }
+
+    /// Distance between two round bodies at the positions `q` `[length]`; `None` for an obstacle.
+    fn distance_to_other(&self, roller: usize, q: &[f64]) -> Option<f64> {
+        let Roller { other, shape, part, .. } = &self.rollers[roller];
+        other.as_ref().map(|_| shape.at(self.center(roller, q, 0)).gap - part.radius)
     }
 
     pub(super) fn own_sides(&self) -> &Sides {
@@ -122,39 +170,12 @@ impl<const D: usize, S: ObstacleSide<D>> RollingContact<D, S> {
 
     /// Center of a part relative to the obstacle at the start (0), in the middle (1) or at the end (2) of the step.
     fn center(&self, roller: usize, q: &[f64], time: usize) -> SVector<f64, D> {
-        let shares = self.rollers[roller].masters.iter();
-        shares.map(|&(node, share)| place::<D>(node, q) * share).sum::<SVector<f64, D>>() - self.moved(time)
-    }
-
-    /// Axis of a rim for the masters at `q`; `None` for arcs and spheres.
-    fn axis(&self, roller: usize, q: &[f64]) -> Option<SVector<f64, D>> {
-        let Roller { masters, axis, .. } = &self.rollers[roller];
-        axis.as_ref().map(|axis| masters.iter().zip(axis).map(|((node, _), share)| place::<D>(*node, q) * *share).sum())
+        self.rollers[roller].center::<D>(q) - self.moved(time)
     }
 
     /// Tilt of a part's axis relative to a normal for the masters at `q`; zero for arcs and spheres.
     fn nearer(&self, roller: usize, normal: SVector<f64, D>, q: &[f64]) -> Tilt {
-        self.axis(roller, q).map_or(Tilt::of(0.0), |axis| Tilt::of(axis.dot(&normal)))
-    }
-
-    /// Node of a part that is farthest from the center in the given direction (nearest to the obstacle), and true if the part faces that
-    /// direction.
-    fn facing(&self, roller: usize, q: &[f64], direction: SVector<f64, D>) -> (u32, bool) {
-        let part = &self.rollers[roller].part;
-        let along = |node: u32| place::<D>(node, q).dot(&direction);
-        let farthest = |nodes: &mut dyn Iterator<Item = u32>| nodes.map(|node| (along(node), node)).max_by(|a, b| a.0.total_cmp(&b.0));
-        let inside = farthest(&mut part.inside.iter().copied()).map_or((f64::NEG_INFINITY, part.inside[0]), |found| found);
-        match farthest(&mut part.rim.iter().map(|(node, _)| *node)) {
-            Some((most, node)) if most > inside.0 => {
-                let beside = part.rim.iter().filter(|(other, _)| *other == node).flat_map(|(_, inner)| inner);
-                let inward: SVector<f64, D> = beside.map(|&other| place::<D>(other, q) - place::<D>(node, q)).sum();
-                let center: SVector<f64, D> = self.center(roller, q, 0) + self.moved(0);
-                let out = (place::<D>(node, q) - center).normalize();
-                // Component of the direction tangential to the circle at the rim node.
-                (node, (direction - out * direction.dot(&out)).dot(&inward) > 0.0)
-            }
-            _ => (inside.1, true),
-        }
+        self.rollers[roller].axis::<D>(q).map_or(Tilt::of(0.0), |axis| Tilt::of(axis.dot(&normal)))
     }
 
     /// Algorithmic gradient of a step, and its derivative, for the center of a part, without weight.
@@ -181,13 +202,12 @@ impl<const D: usize, S: ObstacleSide<D>> RollingContact<D, S> {
     }
 
     pub(super) fn rows_of(&self, roller: usize) -> Range<usize> {
-        let count = self.shape.sides();
-        count * roller..count * (roller + 1)
+        self.count * roller..self.count * (roller + 1)
     }
 
     /// Constraints that are present in this step: index, part, side of the obstacle, and normal at the start of the step.
     fn present_constraints(&self) -> impl Iterator<Item = (usize, usize, &S, SVector<f64, D>)> {
-        let count = self.shape.sides();
+        let count = self.count;
         self.obstacle_sides.iter().enumerate().filter_map(move |(row, obstacle_side)| {
             obstacle_side.as_ref().map(|(obstacle_side, normal)| (row, row / count, obstacle_side, *normal))
         })
@@ -196,9 +216,10 @@ impl<const D: usize, S: ObstacleSide<D>> RollingContact<D, S> {
     /// Distance from the whole obstacle at the end of the step, for each part that faces it.
     fn distances(&self, q: &[f64]) -> impl Iterator<Item = (usize, f64)> {
         (0..self.rollers.len()).filter_map(move |roller| {
-            let local = self.shape.at(self.center(roller, q, 2));
+            let shape = &self.rollers[roller].shape;
+            let local = shape.at(self.center(roller, q, 2));
             let tilt = self.nearer(roller, local.normal, q);
-            let is_there = self.touches(roller, &self.shape, &local, tilt, q);
+            let is_there = self.touches(roller, shape, &local, tilt, q);
             is_there.then(|| (roller, local.gap - self.rollers[roller].part.radius * tilt.height))
         })
     }
@@ -206,39 +227,12 @@ impl<const D: usize, S: ObstacleSide<D>> RollingContact<D, S> {
     /// True if a part faces a side of the obstacle so that it may touch it.
     fn touches(&self, roller: usize, obstacle_side: &S, local: &Local<D>, tilt: Tilt, q: &[f64]) -> bool {
         let is_rim = self.rollers[roller].axis.is_some();
-        local.covered && (!is_rim || obstacle_side.takes_rims() && !tilt.is_flat()) && self.facing(roller, q, -local.normal).1
+        local.covered && (!is_rim || obstacle_side.takes_rims() && !tilt.is_flat()) && self.rollers[roller].facing(q, -local.normal).1
     }
 
-    /// Material point that touches the side `obstacle_side` at mid-step, as coefficients of the masters with positions `z`; and the normal
-    /// there.
-    pub(super) fn touching<T: Number>(&self, roller: usize, obstacle_side: &S, z: &[[T; D]]) -> ([T; 4], [T; D]) {
-        let Roller { masters, part, axis } = &self.rollers[roller];
-        let mut center = [T::from(0.0); D];
-        for (&(_, share), z) in masters.iter().zip(z) {
-            (0..D).for_each(|i| center[i] += z[i] * share);
-        }
-        let middle = self.moved(1);
-        let Local { normal, curvature, .. } = obstacle_side.at(SVector::from_fn(|i, _| center[i].re() - middle[i]));
-        let normal: [T; D] =
-            std::array::from_fn(|i| (0..D).fold(T::from(normal[i]), |sum, k| sum + (center[k] - center[k].re()) * curvature[(i, k)]));
-        // Vector from the center to the contact point, in the basis of the edges between masters.
-        let edge = |k: usize| -> [T; D] { std::array::from_fn(|i| z[k][i] - z[0][i]) };
-        let mut direction = normal;
-        if let Some(shares) = axis {
-            // Component perpendicular to the axis of a rim.
-            let axis: [T; D] = std::array::from_fn(|i| shares.iter().zip(z).fold(T::from(0.0), |sum, (&share, z)| sum + z[i] * share));
-            let dot = |a: &[T; D], b: &[T; D]| a.iter().zip(b).fold(T::from(0.0), |sum, (&a, &b)| sum + a * b);
-            let along = dot(&normal, &axis) / dot(&axis, &axis);
-            let across: [T; D] = std::array::from_fn(|i| normal[i] - axis[i] * along);
-            let length = dot(&across, &across).sqrt().recip();
-            direction = across.map(|x| x * length);
-        }
-        let arm = coordinates(&std::array::from_fn(|k| edge(k + 1)), direction.map(|n| n * -part.radius));
-        let mut shares = [T::from(0.0); 4];
-        for (k, (share, &(_, of_center))) in shares.iter_mut().zip(masters).enumerate() {
-            *share = if k == 0 { arm.iter().fold(T::from(of_center), |sum, &a| sum - a) } else { arm[k - 1] + of_center };
-        }
-        (shares, normal)
+    /// Coefficients of the masters in the slip of a part on the side `obstacle_side`, for the masters at `z` in mid-step, and the normal.
+    pub(super) fn touching<T: Number>(&self, roller: usize, obstacle_side: &S, z: &[[T; D]]) -> ([T; MASTERS], [T; D]) {
+        self.rollers[roller].touching(obstacle_side, self.moved(1), z)
     }
 
     pub(super) fn weight(&self, row: usize) -> f64 {
@@ -256,25 +250,6 @@ impl<const D: usize, S: ObstacleSide<D>> RollingContact<D, S> {
     }
 }
 
-fn place<const D: usize>(node: u32, q: &[f64]) -> SVector<f64, D> {
-    SVector::from_fn(|i, _| q[D * node as usize + i])
-}
-
-/// Coordinates `b` of a vector in the basis `e_k`, `sum_k b_k e_k = r`, by Cramer's rule.
-fn coordinates<T: Number, const D: usize>(e: &[[T; D]; D], r: [T; D]) -> [T; D] {
-    let with = |k: usize| -> [[T; D]; D] { std::array::from_fn(|j| if j == k { r } else { e[j] }) };
-    let inverse = determinant(e).recip();
-    std::array::from_fn(|k| determinant(&with(k)) * inverse)
-}
-
-fn determinant<T: Number, const D: usize>(m: &[[T; D]; D]) -> T {
-    let minor = |i: usize, k: usize| m[1][i] * m[D - 1][k] - m[1][k] * m[D - 1][i];
-    match D {
-        2 => m[0][0] * m[1][1] - m[0][1] * m[1][0],
-        _ => m[0][0] * minor(1, 2) + m[0][1] * minor(2, 0) + m[0][2] * minor(0, 1),
-    }
-}
-
 impl<const D: usize, S: ObstacleSide<D>> PatchFunctions for RollingContact<D, S>
 where
     Self: Slips,
@@ -284,7 +259,7 @@ where
     }
 
     fn rows_per_node(&self) -> usize {
-        self.shape.sides()
+        self.count
     }
 
     fn row_nodes(&self) -> &[u32] {
@@ -293,11 +268,15 @@ where
     }
 
     fn shown_at(&self, row: usize) -> Option<u32> {
-        Some(self.nearest[row / self.shape.sides()])
+        Some(self.nearest[row / self.count])
     }
 
     fn carriers(&self, row: usize) -> &[u32] {
-        self.sides.patches.nodes(row / self.shape.sides())
+        self.sides.patches.nodes(row / self.count)
+    }
+
+    fn owns(&self, p: usize, node: u32) -> bool {
+        self.rollers[p].is_on_secondary(node, D)
     }
 
     fn begin_step(&mut self, q_0: &[f64]) {
@@ -305,9 +284,10 @@ where
         self.start = (0..self.rollers.len()).map(|roller| self.center(roller, q_0, 0) + from).collect();
         for roller in 0..self.rollers.len() {
             let (x, radius, spare) = (self.begins(roller), self.rollers[roller].part.radius, self.sides.facet_size);
-            let Local { normal, .. } = self.shape.at(x);
-            self.nearest[roller] = self.facing(roller, q_0, -normal).0;
-            let near = self.shape.near(x, radius, spare);
+            let shape = &self.rollers[roller].shape;
+            let Local { normal, .. } = shape.at(x);
+            let near = if self.is_near[roller] { shape.near(x, radius, spare) } else { Vec::new() };
+            self.nearest[roller] = self.rollers[roller].facing(q_0, -normal).0;
             let of_side = |side: S| {
                 let local = side.at(x);
                 let tilt = self.nearer(roller, local.normal, q_0);
@@ -336,7 +316,7 @@ where
         out.prepare(patches, self.sides.weights.len());
         (0..patches.len()).for_each(|p| out.clear_patch(patches, p));
         for (row, p, obstacle_side, normal) in self.present_constraints() {
-            let (weight, Roller { masters, part, axis }) = (self.sides.weights[row], &self.rollers[p]);
+            let (weight, Roller { masters, part, axis, .. }) = (self.sides.weights[row], &self.rollers[p]);
             let end = obstacle_side.at(self.center(p, q_1, 2));
             let (bar, tangent) = self.step_gradient(obstacle_side, derivative, p, q_1);
             let tilt = self.nearer(p, normal, q_1);
@@ -396,6 +376,35 @@ impl<const D: usize, S: ObstacleSide<D>> CandidateSearch for RollingContact<D, S
 where
     Self: Slips,
 {
+    fn update_candidates(&mut self, predicted_motion: &PredictedMotion) -> bool {
+        let is_near: Vec<bool> = (0..self.rollers.len())
+            .map(|roller| {
+                let Roller { part, other, masters, .. } = &self.rollers[roller];
+                let (Some(other), Some(distance)) = (other, self.distance_to_other(roller, predicted_motion.q)) else { return true };
+                let nodes: Vec<u32> = masters.iter().map(|(node, _)| *node).collect();
+                let (own, others) = nodes.split_at(self.rollers[roller].own(D));
+                let approach = predicted_motion.reach * predicted_motion.motion_bound::<D>(own, others);
+                distance < 2.0 * approach + predicted_motion.depth + NEAR * part.radius.min(other.part.radius)
+            })
+            .collect();
+        let is_changed = self.is_near != is_near;
+        if is_changed {
+            self.is_near = is_near;
+            self.list_elements();
+        }
+        is_changed
+    }
+
+    fn margin(&self, _predicted_motion: &PredictedMotion) -> f64 {
+        // Bodies that approach from outside of the search horizon are found by `overlooks`.
+        f64::INFINITY
+    }
+
+    fn overlooks(&self, _q_0: &[f64], q_1: &[f64], tolerance: f64) -> bool {
+        let is_deep = |roller| self.distance_to_other(roller, q_1).is_some_and(|distance| distance < -tolerance);
+        (0..self.rollers.len()).any(|roller| !self.is_near[roller] && is_deep(roller))
+    }
+
     fn deepest(&self, q: &[f64]) -> f64 {
         self.distances(q).map(|(_, gap)| -gap).fold(0.0, f64::max)
     }
@@ -422,7 +431,7 @@ where
         for roller in 0..self.rollers.len() {
             let near = self.rollers[roller].part.radius.max(self.sides.facet_size);
             let (x_0, x_1) = (self.begins(roller), self.center(roller, q_1, 2));
-            let (changes, is_crossed) = self.shape.passage(x_0, x_1, near);
+            let (changes, is_crossed) = self.rollers[roller].shape.passage(x_0, x_1, near);
             direction_change = direction_change.max(changes / near);
             if is_crossed {
                 crossing = crossing.max((x_1 - x_0).norm());
@@ -433,11 +442,14 @@ where
     }
 
     fn obstacle_force_into(&self, derivative: Derivative, q_1: &[f64], before: &[f64], lambda: &[f64], force: &mut [f64]) -> f64 {
+        if !self.is_on_obstacle() {
+            return 0.0;
+        }
         let way = self.moved(2) - self.moved(0);
         let mut work = 0.0;
         for (row, roller, obstacle_side, normal) in self.present_constraints().filter(|&(row, ..)| before[row] != 0.0 || lambda[row] != 0.0)
         {
-            let (weight, Roller { masters, part, axis }) = (self.sides.weights[row], &self.rollers[roller]);
+            let (weight, Roller { masters, part, axis, .. }) = (self.sides.weights[row], &self.rollers[roller]);
             let of_step = self.step_gradient(obstacle_side, derivative, roller, q_1).0 * lambda[row];
             let f = (of_step + obstacle_side.at(self.begins(roller)).normal * before[row]) * weight;
             let [slope, _] = self.at_start[row].to(self.nearer(roller, normal, q_1), derivative);

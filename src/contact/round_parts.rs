@@ -45,11 +45,38 @@ pub struct RoundPart {
 /// Circle or sphere through a node and its neighbors: vector from the node to the center, radius.
 type Fit = (Vector3<f64>, f64);
 
-/// Arcs, parts of spheres and rims of cylinders of a surface at the positions `q`.
+/// Side of a round part on which its body lies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Curvature {
+    /// The body is inside of the circle or sphere: disk, ball.
+    Convex,
+    /// The body is outside of it: wall of a hole, race of an outer ring.
+    Hollow,
+}
+
+/// Arcs, parts of spheres and rims of cylinders of a surface at the positions `q`, convex outwards.
 pub fn round_parts(surface: &Surface, q: &[f64]) -> Vec<RoundPart> {
+    let mut parts = arcs_and_spheres(surface, q, Curvature::Convex);
+    if surface.dimension() == 3 {
+        parts.extend(smooth_regions(surface, q).iter().filter_map(|region| rims_of(surface, region, q)).flatten());
+    }
+    parts
+}
+
+/// Circle or sphere that a surface covers completely at the positions `q`; `None` for other surfaces.
+pub fn whole_circle(surface: &Surface, q: &[f64]) -> Option<(RoundPart, Curvature)> {
+    [Curvature::Convex, Curvature::Hollow].into_iter().find_map(|curvature| {
+        let mut parts = arcs_and_spheres(surface, q, curvature);
+        let part = parts.pop().filter(|part| parts.is_empty() && part.inside.len() == surface.nodes().len())?;
+        Some((part, curvature))
+    })
+}
+
+/// Arcs or parts of spheres of a surface.
+fn arcs_and_spheres(surface: &Surface, q: &[f64], curvature: Curvature) -> Vec<RoundPart> {
     let count = surface.nodes().len();
     let neighbors: Vec<Vec<usize>> = (0..count).map(|index| neighbors_of(surface, index)).collect();
-    let fits: Vec<Option<Fit>> = (0..count).map(|index| fit(surface, &neighbors[index], index, q)).collect();
+    let fits: Vec<Option<Fit>> = (0..count).map(|index| fit(surface, &neighbors[index], index, q, curvature)).collect();
     let mut is_taken = vec![false; count];
     let mut parts = Vec::new();
     for first in 0..count {
@@ -77,9 +104,6 @@ pub fn round_parts(surface: &Surface, q: &[f64]) -> Vec<RoundPart> {
             inside.sort_unstable();
             parts.push(part(surface, &neighbors, &inside, (center, circle.1)));
         }
-    }
-    if surface.dimension() == 3 {
-        parts.extend(smooth_regions(surface, q).iter().filter_map(|region| rims_of(surface, region, q)).flatten());
     }
     parts
 }
@@ -123,7 +147,7 @@ fn neighbors_of(surface: &Surface, index: usize) -> Vec<usize> {
 }
 
 /// Circle or sphere through a node and its neighbors, if the node is inside of a round part.
-fn fit(surface: &Surface, neighbors: &[usize], index: usize, q: &[f64]) -> Option<Fit> {
+fn fit(surface: &Surface, neighbors: &[usize], index: usize, q: &[f64], side: Curvature) -> Option<Fit> {
     if neighbors.is_empty() {
         return None;
     }
@@ -147,8 +171,8 @@ fn fit(surface: &Surface, neighbors: &[usize], index: usize, q: &[f64]) -> Optio
     let [least, most] = neighbors.iter().map(turn).fold([f64::INFINITY, 0.0], |[least, most], turn| [turn.min(least), turn.max(most)]);
     let is_curve = least >= ROUND_PART_TURN && most <= largest.min(LARGEST_RATIO * least);
     let outward = |facet: &u32| surface.outward(*facet as usize, q).iter().zip(center.iter()).map(|(n, c)| n * c).sum::<f64>();
-    let is_convex = surface.adjacent_facets(index).iter().all(|facet| outward(facet) < 0.0);
-    (is_on_it && is_curve && is_convex).then_some((center, radius))
+    let is_on_side = surface.adjacent_facets(index).iter().all(|facet| (outward(facet) < 0.0) == (side == Curvature::Convex));
+    (is_on_it && is_curve && is_on_side).then_some((center, radius))
 }
 
 /// Regions of facets in space that are connected across edges with angles of at most [`LARGEST_TURN`].
@@ -274,6 +298,14 @@ mod tests {
         assert!(parts_of(&polygon(8)).is_empty());
         let inside_out: Vec<[f64; 2]> = polygon(24).into_iter().rev().collect();
         assert!(parts_of(&inside_out).is_empty(), "the wall of a hole is hollow");
+        let whole = |points: &[[f64; 2]]| {
+            let count = points.len() as u32;
+            let facets: Vec<[u32; 2]> = (0..count).map(|k| [k, (k + 1) % count]).collect();
+            whole_circle(&Surface::new(&facets), points.as_flattened()).map(|(part, curvature)| (part.inside.len(), curvature))
+        };
+        assert_eq!(whole(&inside_out), Some((24, Curvature::Hollow)));
+        assert_eq!(whole(&polygon(24)), Some((24, Curvature::Convex)));
+        assert_eq!(whole(&polygon(8)), None);
     }
 
     /// Slot: two half circles and two straight sides.

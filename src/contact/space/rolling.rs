@@ -79,7 +79,7 @@ impl SlipsInSpace for RollingContact<3, Shape> {
     }
 
     fn carrier(&self) -> Option<Carrier> {
-        Some(self.shape.carrier(self.carried, self.translations[2]))
+        self.shape().filter(|_| self.is_on_obstacle()).map(|shape| shape.carrier(self.carried, self.translations[2]))
     }
 }
 

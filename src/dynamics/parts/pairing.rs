@@ -4,8 +4,9 @@ use super::contact_pair::{ContactPair, CornersOf, PairKind};
 use super::laws::Bilateral;
 use crate::bodies::Frame;
 use crate::contact::{
-    ContactKernel, CornersInSpace, ExactShape, FacetShape, NodeToSegment, Obstacle, ObstacleInSpace, ProxyNodes, ProxySurfacesInSpace,
-    RigidContact, RigidCorners, RigidInSpace, RoundInSpace, RoundPart, RowsOf, Surface, Tie, rolling_contact, round_parts,
+    ContactKernel, CornersInSpace, Curvature, ExactShape, FacetShape, NodeToSegment, Obstacle, ObstacleInSpace, ProxyNodes,
+    ProxySurfacesInSpace, RigidContact, RigidCorners, RigidInSpace, RoundBody, RoundInSpace, RoundPart, RowsOf, Surface, Tie,
+    rolling_contact, round_contact, round_parts, whole_circle,
 };
 use crate::dynamics::model::boundaries::{boundary_faces, boundary_facets, facets_of_all, tie_reach, tied_in_space};
 use crate::dynamics::model::definitions::Model;
@@ -108,7 +109,8 @@ impl Pairing<'_> {
 
     /// Surfaces of a contact in space with sub-facet points between their nodes; the primary surface of an obstacle is empty.
     fn in_space(&self, interaction: &Interaction) -> ProxySurfacesInSpace<'_> {
-        let faces = [std::slice::from_ref(&interaction.secondary), interaction.primary()].map(|side| facets_of_all(side, self.faces));
+        let primary = if self.round_bodies(interaction).is_some() { &[] } else { interaction.primary() };
+        let faces = [std::slice::from_ref(&interaction.secondary), primary].map(|side| facets_of_all(side, self.faces));
         let exact = exact_shapes(interaction);
         let seen = ProxySurfacesInSpace::new(faces.each_ref().map(|faces| &faces[..]), self.reference).of_shape(interaction.facet_shape(3));
         seen.of_exact(exact.map(|shape| shape.map(|shape| move |x, normal| shape.height_in_space(x, normal))))
@@ -145,7 +147,9 @@ impl Pairing<'_> {
         let facets = (self.facets)(secondary);
         let pair = match partner {
             Partner::Surfaces(_) | Partner::Itself => {
-                let others = facets_of_all(interaction.primary(), self.facets);
+                // The facets of round bodies have no constraints.
+                let is_round = self.round_bodies(interaction).is_some();
+                let others = if is_round { Vec::new() } else { facets_of_all(interaction.primary(), self.facets) };
                 let rows = if interaction.method.is_nodal { RowsOf::Nodes } else { RowsOf::Facets };
                 let exact = exact_shapes(interaction);
                 let seen = self.middles.seen([&facets, &others], self.reference, rows).of_shape(interaction.facet_shape(2));
@@ -227,6 +231,30 @@ impl Pairing<'_> {
         round_parts(&self.surface(&interaction.secondary), self.reference)
     }
 
+    /// Secondary and primary sides of a contact between rigid bodies whose boundaries are whole circles or spheres, of which one of two is
+    /// convex; `None` for other contacts. They touch as round bodies, not by their facets.
+    fn round_bodies(&self, interaction: &Interaction) -> Option<(RoundBody, Vec<RoundBody>)> {
+        let is_curved = interaction.facet_shape(self.model.dimension()) == FacetShape::Curved;
+        let is_between = matches!(interaction.partner, Partner::Surfaces(_)) && self.model.is_rigid_contact(interaction);
+        let has_shapes = interaction.shapes.iter().any(Option::is_some);
+        if !is_between || !is_curved || has_shapes || interaction.equality || self.model.is_axisymmetric() {
+            return None;
+        }
+        let round = |on: &BodyBoundary| {
+            let (part, curvature) = whole_circle(&self.surface(on), self.reference)?;
+            let frame = Frame::new(&self.model.bodies[on.body].mesh)?;
+            let first = (self.first)(on.body) as u32;
+            let masters = frame.masters.iter().map(|node| node + first).zip(frame.shares(part.center.into())).collect();
+            Some(RoundBody { part, curvature, masters })
+        };
+        let secondary = round(&interaction.secondary)?;
+        let primary: Vec<RoundBody> = interaction.primary().iter().map(round).collect::<Option<_>>()?;
+        let is_convex = |body: &RoundBody| body.curvature == Curvature::Convex;
+        let is_own = interaction.primary().iter().any(|on| on.body == interaction.secondary.body);
+        let fit = |other: &RoundBody| is_convex(&secondary) || is_convex(other);
+        (!is_own && primary.iter().all(fit)).then_some((secondary, primary))
+    }
+
     /// Nodes inside of arcs and spheres of a rigid body, ascending, which round parts replace; rim nodes are kept for upright cylinders.
     fn nodes_inside(&self, interaction: &Interaction) -> Vec<u32> {
         let mut nodes: Vec<u32> =
@@ -239,6 +267,12 @@ impl Pairing<'_> {
     fn rolling(&self, of: usize) -> Option<ContactPair> {
         let interaction = &self.model.interactions[of];
         let (parts, body) = (self.round_parts(interaction), interaction.secondary.body);
+        if let Some((secondary, primary)) = self.round_bodies(interaction) {
+            let kernel = round_contact(self.surface(&interaction.secondary), &secondary, primary, self.reference);
+            let mut pair = self.pair(&interaction.name, PairKind::Surfaces, body, kernel);
+            pair.corners = Some(CornersOf { pair: of, slack: 0.0 });
+            return Some(self.held(pair, interaction, false));
+        }
         let Partner::Obstacle { shape, motion, turn } = &interaction.partner else { return None };
         let mesh = &self.model.bodies[body].mesh;
         let frame = Frame::new(mesh).filter(|_| !parts.is_empty())?;
@@ -270,6 +304,9 @@ impl Pairing<'_> {
             corners.push(pair);
         };
         for (of, interaction) in self.model.interactions.iter().enumerate().filter(|&(of, _)| has_corners(of)) {
+            if self.round_bodies(interaction).is_some() {
+                continue;
+            }
             if let Partner::Obstacle { shape: Obstacle::InSpace(shape), .. } = &interaction.partner {
                 let seen = self.in_space(interaction);
                 if let Some(kernel) = RigidCorners::in_space(&seen.secondary, shape, &seen.reference, size(of)) {

@@ -93,9 +93,11 @@ impl Loaded<'_> {
             for (&node, gradient) in row.nodes.iter().zip(gradients[row.gradient].chunks_exact(D)) {
                 let mut force = [0.0; 3];
                 (0..D).for_each(|i| force[i] = factor * gradient[i]);
-                match shown_at {
-                    Some(_) => (0..D).for_each(|i| whole[i] += force[i]),
-                    None => visit(node, self.pair.owns_row(row.patch, node), factor, force),
+                let is_own = self.pair.owns_row(row.patch, node);
+                if shown_at.is_some() && is_own {
+                    (0..D).for_each(|i| whole[i] += force[i]);
+                } else {
+                    visit(node, is_own, factor, force);
                 }
             }
             if let Some(node) = shown_at {
