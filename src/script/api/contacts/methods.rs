@@ -65,7 +65,8 @@ pub fn facets_parameter() -> Parameter {
         "facets",
         Kind::Choice(&["curved", "straight"]),
         "the geometry between nodes: the curve, or curved surface, through them, or straight lines and flat facets; on obstacles, whether \
-         arcs, spheres and cylinders of a rigid body roll as round or node by node",
+         arcs, spheres and cylinders of a rigid body roll as round or node by node; whether whole circles and spheres of two rigid bodies \
+         touch as such",
     )
     .or(Absent::Means("`\"curved\"`, with `node_to_segment()` in the plane `\"straight\"`"))
 }
