@@ -32,6 +32,7 @@ pub mod pairing;
 pub mod point_mass;
 pub mod rigid_bodies;
 pub mod rotating_frame;
+pub mod round_contacts;
 pub mod slip_group;
 pub mod slip_vector;
 pub mod spring;

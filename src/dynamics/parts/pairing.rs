@@ -2,11 +2,11 @@
 
 use super::contact_pair::{ContactPair, CornersOf, PairKind};
 use super::laws::Bilateral;
+use super::round_contacts::RoundContacts;
 use crate::bodies::Frame;
 use crate::contact::{
-    ContactKernel, CornersInSpace, Curvature, ExactShape, FacetShape, NodeToSegment, Obstacle, ObstacleInSpace, ProxyNodes,
-    ProxySurfacesInSpace, RigidContact, RigidCorners, RigidInSpace, RoundBody, RoundInSpace, RoundPart, RowsOf, Surface, Tie,
-    rolling_contact, round_contact, round_parts, whole_circle,
+    ContactKernel, CornersInSpace, ExactShape, FacetShape, NodeToSegment, Obstacle, ObstacleInSpace, ProxyNodes, ProxySurfacesInSpace,
+    RigidContact, RigidCorners, RigidInSpace, RoundInSpace, RowsOf, Surface, Tie, rolling_contact, round_contact,
 };
 use crate::dynamics::model::boundaries::{boundary_faces, boundary_facets, facets_of_all, tie_reach, tied_in_space};
 use crate::dynamics::model::definitions::Model;
@@ -14,7 +14,6 @@ use crate::dynamics::model::interactions::{BodyBoundary, Enforcement, Interactio
 use crate::dynamics::model::update_rules::UpdateRule;
 use crate::math::norms::largest_size;
 use crate::math::tolerances;
-use crate::mesh::pieces_of;
 
 /// All contact pairs of a model. `first` is the first node of each body, `middles` the mid-side nodes of edges of second order,
 /// `default_rule` the update rule of contacts without a rule of their own. Pairs of point constraints (`points`) come last. Ties keep the
@@ -39,6 +38,7 @@ pub fn contact_pairs(
         start,
         reach: largest_size(reference),
         default_rule,
+        round: RoundContacts { model, first: &first, reference },
     };
     let mut pairs = made.contacts();
     let corners = made.corners(&pairs);
@@ -83,6 +83,8 @@ struct Pairing<'a> {
     reach: f64,
     /// Update rule of contacts without an explicit rule.
     default_rule: &'static UpdateRule,
+    /// Round parts of rigid bodies.
+    round: RoundContacts<'a>,
 }
 
 impl Pairing<'_> {
@@ -109,7 +111,7 @@ impl Pairing<'_> {
 
     /// Surfaces of a contact in space with sub-facet points between their nodes; the primary surface of an obstacle is empty.
     fn in_space(&self, interaction: &Interaction) -> ProxySurfacesInSpace<'_> {
-        let primary = if self.round_bodies(interaction).is_some() { &[] } else { interaction.primary() };
+        let primary = if self.round.bodies(interaction).is_some() { &[] } else { interaction.primary() };
         let faces = [std::slice::from_ref(&interaction.secondary), primary].map(|side| facets_of_all(side, self.faces));
         let exact = exact_shapes(interaction);
         let seen = ProxySurfacesInSpace::new(faces.each_ref().map(|faces| &faces[..]), self.reference).of_shape(interaction.facet_shape(3));
@@ -120,7 +122,7 @@ impl Pairing<'_> {
         let Interaction { name, secondary, partner, .. } = interaction;
         if let Partner::Obstacle { shape: Obstacle::InSpace(shape), motion, turn } = partner {
             let seen = self.in_space(interaction);
-            let kernel = RigidInSpace::of_curve(&seen, shape).without(seen.belongs_to(&self.nodes_inside(interaction)));
+            let kernel = RigidInSpace::of_curve(&seen, shape).without(seen.belongs_to(&self.round.nodes_inside(interaction)));
             let mut pair = self.obstacle_pair(name, shape, secondary.body, seen.on_nodes(Box::new(kernel), true));
             (pair.motion, pair.turn) = (motion.clone(), turn.clone());
             let mut pair = self.held(pair, interaction, false);
@@ -148,7 +150,7 @@ impl Pairing<'_> {
         let pair = match partner {
             Partner::Surfaces(_) | Partner::Itself => {
                 // The facets of round bodies have no constraints.
-                let is_round = self.round_bodies(interaction).is_some();
+                let is_round = self.round.bodies(interaction).is_some();
                 let others = if is_round { Vec::new() } else { facets_of_all(interaction.primary(), self.facets) };
                 let rows = if interaction.method.is_nodal { RowsOf::Nodes } else { RowsOf::Facets };
                 let exact = exact_shapes(interaction);
@@ -158,7 +160,7 @@ impl Pairing<'_> {
                 self.pair(name, PairKind::Surfaces, secondary.body, seen.on_nodes(kernel))
             }
             Partner::Obstacle { shape, motion, turn } => {
-                let kernel = RigidContact::new(&facets, shape, self.reference).without(&self.nodes_inside(interaction));
+                let kernel = RigidContact::new(&facets, shape, self.reference).without(&self.round.nodes_inside(interaction));
                 // Constraints of obstacles belong to the nodes of the surface itself, not to a proxy surface.
                 let kernel = match self.middles.lengths(&facets, self.reference) {
                     Some(lengths) => kernel.with_weights(lengths),
@@ -210,65 +212,12 @@ impl Pairing<'_> {
         is_rigid.then(|| interaction.restitution.unwrap_or(pair.update.restitution()))
     }
 
-    /// Secondary surface of a contact with facets between its nodes.
-    fn surface(&self, secondary: &BodyBoundary) -> Surface {
-        if self.model.dimension() == 2 {
-            return Surface::new(&(self.facets)(secondary));
-        }
-        // Without the center nodes of nine-node faces, which are off the surface defined by the side nodes.
-        let pieces: Vec<Vec<u32>> = (self.faces)(secondary).iter().flat_map(|face| pieces_of(&face[..face.len().min(8)])).collect();
-        Surface::in_space(pieces.iter().map(|piece| &piece[..]))
-    }
-
-    /// Round parts of a rigid body's boundary that roll on an obstacle; empty for straight facets, deformable bodies, and bilateral
-    /// contacts.
-    fn round_parts(&self, interaction: &Interaction) -> Vec<RoundPart> {
-        let is_rigid = self.model.bodies[interaction.secondary.body].rigid.is_some();
-        let is_curved = interaction.facet_shape(self.model.dimension()) == FacetShape::Curved;
-        if !is_rigid || !is_curved || interaction.equality || !matches!(interaction.partner, Partner::Obstacle { .. }) {
-            return Vec::new();
-        }
-        round_parts(&self.surface(&interaction.secondary), self.reference)
-    }
-
-    /// Secondary and primary sides of a contact between rigid bodies whose boundaries are whole circles or spheres, of which one of two is
-    /// convex; `None` for other contacts. They touch as round bodies, not by their facets.
-    fn round_bodies(&self, interaction: &Interaction) -> Option<(RoundBody, Vec<RoundBody>)> {
-        let is_curved = interaction.facet_shape(self.model.dimension()) == FacetShape::Curved;
-        let is_between = matches!(interaction.partner, Partner::Surfaces(_)) && self.model.is_rigid_contact(interaction);
-        let has_shapes = interaction.shapes.iter().any(Option::is_some);
-        if !is_between || !is_curved || has_shapes || interaction.equality || self.model.is_axisymmetric() {
-            return None;
-        }
-        let round = |on: &BodyBoundary| {
-            let (part, curvature) = whole_circle(&self.surface(on), self.reference)?;
-            let frame = Frame::new(&self.model.bodies[on.body].mesh)?;
-            let first = (self.first)(on.body) as u32;
-            let masters = frame.masters.iter().map(|node| node + first).zip(frame.shares(part.center.into())).collect();
-            Some(RoundBody { part, curvature, masters })
-        };
-        let secondary = round(&interaction.secondary)?;
-        let primary: Vec<RoundBody> = interaction.primary().iter().map(round).collect::<Option<_>>()?;
-        let is_convex = |body: &RoundBody| body.curvature == Curvature::Convex;
-        let is_own = interaction.primary().iter().any(|on| on.body == interaction.secondary.body);
-        let fit = |other: &RoundBody| is_convex(&secondary) || is_convex(other);
-        (!is_own && primary.iter().all(fit)).then_some((secondary, primary))
-    }
-
-    /// Nodes inside of arcs and spheres of a rigid body, ascending, which round parts replace; rim nodes are kept for upright cylinders.
-    fn nodes_inside(&self, interaction: &Interaction) -> Vec<u32> {
-        let mut nodes: Vec<u32> =
-            self.round_parts(interaction).into_iter().filter(|part| part.axis.is_none()).flat_map(|part| part.inside).collect();
-        nodes.sort_unstable();
-        nodes
-    }
-
     /// Pair of the round parts of a rigid body that roll on the obstacle of contact `of`.
     fn rolling(&self, of: usize) -> Option<ContactPair> {
         let interaction = &self.model.interactions[of];
-        let (parts, body) = (self.round_parts(interaction), interaction.secondary.body);
-        if let Some((secondary, primary)) = self.round_bodies(interaction) {
-            let kernel = round_contact(self.surface(&interaction.secondary), &secondary, primary, self.reference);
+        let (parts, body) = (self.round.parts(interaction), interaction.secondary.body);
+        if let Some((secondary, primary)) = self.round.bodies(interaction) {
+            let kernel = round_contact(self.round.surface(&interaction.secondary), &secondary, primary, self.reference);
             let mut pair = self.pair(&interaction.name, PairKind::Surfaces, body, kernel);
             pair.corners = Some(CornersOf { pair: of, slack: 0.0 });
             return Some(self.held(pair, interaction, false));
@@ -278,7 +227,7 @@ impl Pairing<'_> {
         let frame = Frame::new(mesh).filter(|_| !parts.is_empty())?;
         let first = (self.first)(body) as u32;
         let shares_of = |point| frame.masters.iter().map(|node| node + first).zip(frame.shares(point)).collect();
-        let kernel = rolling_contact(self.surface(&interaction.secondary), parts, shape, &shares_of, self.reference);
+        let kernel = rolling_contact(self.round.surface(&interaction.secondary), parts, shape, &shares_of, self.reference);
         let mut pair = match shape {
             Obstacle::InSpace(shape) => self.obstacle_pair(&interaction.name, shape, body, kernel),
             _ => self.pair(&interaction.name, PairKind::Obstacle, body, kernel),
@@ -304,7 +253,7 @@ impl Pairing<'_> {
             corners.push(pair);
         };
         for (of, interaction) in self.model.interactions.iter().enumerate().filter(|&(of, _)| has_corners(of)) {
-            if self.round_bodies(interaction).is_some() {
+            if self.round.bodies(interaction).is_some() {
                 continue;
             }
             if let Partner::Obstacle { shape: Obstacle::InSpace(shape), .. } = &interaction.partner {

@@ -14,6 +14,7 @@ use super::free_motion::{FreeMotion, geared};
 use super::joint_ends::{End, across, node_vector};
 use super::joint_reaction::JointReaction;
 use super::laws::Unilateral;
+use super::round_contacts::RoundContacts;
 use crate::contact::{BallSlip, ContactKernel, JointSlip, PointConstraints, PointFunction, PointVector};
 use crate::dynamics::model::boundaries::inner_nodes;
 use crate::dynamics::model::definitions::Model;
@@ -23,17 +24,17 @@ use crate::dynamics::model::update_rules::PERSISTENCY;
 use crate::math::norms::{largest_size, length};
 use crate::math::tolerances;
 
-/// Nodes of rigid bodies on boundaries with contacts, loads or supports.
-pub fn used_nodes(model: &Model, first: impl Fn(usize) -> usize) -> BTreeSet<u32> {
-    let contacts = model.interactions.iter().flat_map(|one| std::iter::once(&one.secondary).chain(one.primary()));
+/// Nodes of rigid bodies with constraints of contacts, loads or supports.
+pub fn used_nodes(model: &Model, first: impl Fn(usize) -> usize, reference: &[f64]) -> BTreeSet<u32> {
+    let round = RoundContacts { model, first: &first, reference };
     let loads = model.loads.iter().map(|load| &load.on);
     let supports = model.supports.iter().map(|support| &support.on).chain(model.prescriptions.iter().map(|given| &given.on));
-    let all = contacts.chain(loads).chain(supports);
     let nodes = |on: &BodyBoundary| {
         let first = first(on.body) as u32;
         model.bodies[on.body].mesh.boundary_nodes(&on.boundary).into_iter().map(move |node| node + first).collect::<Vec<_>>()
     };
-    let mut used: BTreeSet<u32> = all.filter(|on| model.bodies[on.body].rigid.is_some()).flat_map(nodes).collect();
+    let mut used: BTreeSet<u32> = loads.chain(supports).filter(|on| model.bodies[on.body].rigid.is_some()).flat_map(nodes).collect();
+    used.extend(model.interactions.iter().flat_map(|interaction| round.constrained_nodes(interaction)));
     // The offset of a tie in space uses a node inside of the body.
     for interaction in model.interactions.iter().filter(|_| model.dimension() == 3) {
         if let Partner::Tied { to, .. } = &interaction.partner

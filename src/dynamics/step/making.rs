@@ -32,9 +32,10 @@ pub(super) fn part_followers<const D: usize>(
     model: &Model,
     bodies: &mut [Body<D>],
     first: impl Fn(usize) -> usize,
+    reference: &[f64],
     others: &[Box<dyn Part>],
 ) -> BTreeSet<u32> {
-    let mut used = used_nodes(model, first);
+    let mut used = used_nodes(model, first, reference);
     others.iter().for_each(|part| part.for_each_coupling(&mut |nodes| used.extend(nodes)));
     let mut followers = BTreeSet::new();
     for body in bodies {

@@ -88,7 +88,7 @@ where
         let mut others: Vec<Box<dyn Part>> = model.parts.iter().map(|part| part.part(&numbering)).collect();
         let damped = deformable(model).filter(|_| !integrator.dissipation.is_none());
         let dampings = damped.filter_map(|(index, body)| StepDamping::new(body, first(index))).collect();
-        let followers = part_followers(model, &mut bodies, first, &others);
+        let followers = part_followers(model, &mut bodies, first, &reference, &others);
         followers.iter().for_each(|&node| supports.fixed[node as usize * D..][..D].fill(true));
         let middles = middles(model, first);
         let start = model.start_positions();
