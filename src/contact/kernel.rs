@@ -73,6 +73,12 @@ pub trait PatchFunctions {
         None
     }
 
+    /// Node of the primary side to which output assigns the opposite force; `None` for obstacles, and where forces act on nodes of the
+    /// surface.
+    fn shown_on_primary(&self, _row: usize) -> Option<u32> {
+        None
+    }
+
     /// Nodes that the force of a constraint accelerates, if it is not the constraint's own node.
     fn carriers(&self, _row: usize) -> &[u32] {
         &[]

@@ -74,18 +74,10 @@ impl<S> Roller<S> {
         self.masters.len().min(dimension + 1)
     }
 
-    /// True if the force on `node`, a master, acts on the secondary side, in `D` dimensions.
+    /// True if the force on the master `node` acts on the secondary side.
     pub fn is_on_secondary(&self, node: u32, dimension: usize) -> bool {
         let is_own = self.masters[..self.own(dimension)].iter().any(|(master, _)| *master == node);
         is_own != self.other.as_ref().is_some_and(|other| other.is_secondary)
-    }
-
-    /// Nodes of the secondary side.
-    pub fn secondary(&self) -> &[u32] {
-        match &self.other {
-            Some(OtherBody { part, is_secondary: true }) => &part.inside,
-            _ => &self.part.inside,
-        }
     }
 
     /// Axis of a rim for the masters at `q`.
@@ -94,16 +86,22 @@ impl<S> Roller<S> {
         axis.as_ref().map(|axis| masters.iter().zip(axis).map(|((node, _), share)| place::<D>(*node, q) * *share).sum())
     }
 
-    /// Node of the secondary side nearest to the other side in a direction from the center, and true if the part faces that direction.
+    /// Nodes of the secondary and of the primary side nearest to the contact point, for the normal at the part; of the same side on an
+    /// obstacle.
+    pub fn nearest<const D: usize>(&self, q: &[f64], normal: SVector<f64, D>) -> [u32; 2] {
+        let own = self.facing(q, -normal).0;
+        let Some(OtherBody { part, is_secondary }) = &self.other else { return [own; 2] };
+        let to_contact_point = self.center(q) - normal * self.part.radius;
+        let other = farthest(part.inside.iter().copied(), q, to_contact_point).map_or(own, |(_, node)| node);
+        if *is_secondary { [other, own] } else { [own, other] }
+    }
+
+    /// Node of a part that is farthest from the center in a direction (nearest to the other side), and true if the part faces that
+    /// direction.
     pub fn facing<const D: usize>(&self, q: &[f64], direction: SVector<f64, D>) -> (u32, bool) {
-        let along = |node: u32| place::<D>(node, q).dot(&direction);
-        let farthest = |nodes: &mut dyn Iterator<Item = u32>| nodes.map(|node| (along(node), node)).max_by(|a, b| a.0.total_cmp(&b.0));
-        let nodes = self.secondary();
-        let inside = farthest(&mut nodes.iter().copied()).map_or((f64::NEG_INFINITY, nodes[0]), |found| found);
-        if self.other.is_some() {
-            return (inside.1, true);
-        }
-        match farthest(&mut self.part.rim.iter().map(|(node, _)| *node)) {
+        let nodes = &self.part.inside;
+        let inside = farthest(nodes.iter().copied(), q, direction).unwrap_or((f64::NEG_INFINITY, nodes[0]));
+        match farthest(self.part.rim.iter().map(|(node, _)| *node), q, direction) {
             Some((most, node)) if most > inside.0 => {
                 let beside = self.part.rim.iter().filter(|(other, _)| *other == node).flat_map(|(_, inner)| inner);
                 let inward: SVector<f64, D> = beside.map(|&other| place::<D>(other, q) - place::<D>(node, q)).sum();
@@ -160,6 +158,11 @@ fn material_point<T: Number, const D: usize>(z: &[[T; D]], arm: [T; D], sign: f6
     for (k, (share, &(_, of_center))) in shares.iter_mut().zip(masters).enumerate() {
         *share = if k == 0 { arm.iter().fold(T::from(of_center), |sum, &a| sum - a) } else { arm[k - 1] + of_center };
     }
+}
+
+/// Node that is farthest in a direction, with its coordinate in that direction.
+fn farthest<const D: usize>(nodes: impl Iterator<Item = u32>, q: &[f64], direction: SVector<f64, D>) -> Option<(f64, u32)> {
+    nodes.map(|node| (place::<D>(node, q).dot(&direction), node)).max_by(|a, b| a.0.total_cmp(&b.0))
 }
 
 fn place<const D: usize>(node: u32, q: &[f64]) -> SVector<f64, D> {

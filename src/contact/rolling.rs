@@ -72,8 +72,8 @@ pub(super) struct RollingContact<const D: usize, S> {
     start: Vec<SVector<f64, D>>,
     /// Tilt of the part of each constraint at the start of the step.
     at_start: Vec<Tilt>,
-    /// Node of each part nearest to the obstacle at the start of the step.
-    nearest: Vec<u32>,
+    /// Nodes of the secondary and of the primary side nearest to the contact point of each part at the start of the step.
+    nearest: Vec<[u32; 2]>,
     /// Side of the obstacle for each constraint in this step, with its normal at the start; `None` for absent constraints.
     obstacle_sides: Vec<Option<(S, SVector<f64, D>)>>,
 }
@@ -106,7 +106,7 @@ impl<const D: usize, S: ObstacleSide<D>> RollingContact<D, S> {
     fn of_rollers(surface: Surface, rollers: Vec<Roller<S>>, count: usize, reference: &[f64]) -> Self {
         let mut sides = Sides::of(surface, if D == 2 { Surface::new(&[]) } else { Surface::in_space([]) }, reference);
         sides.weights = vec![sides.facet_size.powi(D as i32 - 1); count * rollers.len()];
-        let nearest = rollers.iter().map(|roller| roller.secondary()[0]).collect();
+        let nearest = rollers.iter().map(|roller| [roller.part.inside[0]; 2]).collect();
         let obstacle_sides = vec![None; sides.weights.len()];
         let at_start = vec![Tilt::of(0.0); sides.weights.len()];
         let start = vec![SVector::zeros(); rollers.len()];
@@ -268,7 +268,12 @@ where
     }
 
     fn shown_at(&self, row: usize) -> Option<u32> {
-        Some(self.nearest[row / self.count])
+        Some(self.nearest[row / self.count][0])
+    }
+
+    fn shown_on_primary(&self, row: usize) -> Option<u32> {
+        let roller = row / self.count;
+        self.rollers[roller].other.as_ref().map(|_| self.nearest[roller][1])
     }
 
     fn carriers(&self, row: usize) -> &[u32] {
@@ -287,7 +292,7 @@ where
             let shape = &self.rollers[roller].shape;
             let Local { normal, .. } = shape.at(x);
             let near = if self.is_near[roller] { shape.near(x, radius, spare) } else { Vec::new() };
-            self.nearest[roller] = self.rollers[roller].facing(q_0, -normal).0;
+            self.nearest[roller] = self.rollers[roller].nearest(q_0, normal);
             let of_side = |side: S| {
                 let local = side.at(x);
                 let tilt = self.nearer(roller, local.normal, q_0);

@@ -29,8 +29,8 @@ pub fn add_friction<const D: usize>(contact: Loaded, corners: &[Loaded], forces:
     let (mut of_corners, mut largest) = (vec![[0.0; 3]; count], vec![0.0f64; count]);
     for corners in corners {
         let Some(tangential) = corners.tangential else { continue };
-        corners.for_each_pull::<D>(tangential.lambda, |node, _, _, force| all.push((node, force)));
         corners.for_each_shown_pull::<D>(tangential.lambda, |node, own, multiplier, force| {
+            all.push((node, force));
             if (!with_itself || own)
                 && let Some(index) = secondary.index(node)
             {

@@ -37,8 +37,8 @@ pub fn contact_forces<const D: usize>(contact: Loaded, corners: &[Loaded], q: &[
     forces.mean = means::<D>(contact, contact.lambda, &forces.own, q, |lambda, visit| contact.for_each_force::<D>(lambda, visit));
     let mut more = vec![[0.0; 3]; count];
     for corners in corners {
-        corners.for_each_force::<D>(corners.lambda, |node, _, _, force| forces.all.push((node, force)));
         corners.for_each_shown_force::<D>(corners.lambda, |node, own, _, force| {
+            forces.all.push((node, force));
             // In self-contact, forces on the corner's own side only.
             if (!with_itself || own)
                 && let Some(index) = secondary.index(node)

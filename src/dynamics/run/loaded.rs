@@ -88,20 +88,21 @@ impl Loaded<'_> {
             if factor == 0.0 {
                 continue;
             }
-            let shown_at = if is_shown { self.pair.kernel.shown_at(pressing) } else { None };
-            let mut whole = [0.0; 3];
+            let kernel = &self.pair.kernel;
+            let shown_at = if is_shown { [kernel.shown_at(pressing), kernel.shown_on_primary(pressing)] } else { [None; 2] };
+            let mut whole = [[0.0; 3]; 2];
             for (&node, gradient) in row.nodes.iter().zip(gradients[row.gradient].chunks_exact(D)) {
                 let mut force = [0.0; 3];
                 (0..D).for_each(|i| force[i] = factor * gradient[i]);
                 let is_own = self.pair.owns_row(row.patch, node);
-                if shown_at.is_some() && is_own {
-                    (0..D).for_each(|i| whole[i] += force[i]);
-                } else {
-                    visit(node, is_own, factor, force);
+                let side = usize::from(!is_own);
+                match shown_at[side] {
+                    Some(_) => (0..D).for_each(|i| whole[side][i] += force[i]),
+                    None => visit(node, is_own, factor, force),
                 }
             }
-            if let Some(node) = shown_at {
-                visit(node, true, factor, whole);
+            for (side, node) in shown_at.iter().enumerate().filter_map(|(side, node)| Some((side, (*node)?))) {
+                visit(node, side == 0, factor, whole[side]);
             }
         }
     }
