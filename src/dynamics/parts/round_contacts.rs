@@ -80,7 +80,7 @@ impl RoundContacts<'_> {
         if self.bodies(interaction).is_some() {
             return Vec::new();
         }
-        let inside = self.nodes_inside(interaction);
+        let inside = if self.is_free(interaction.secondary.body) { self.nodes_inside(interaction) } else { Vec::new() };
         let nodes = |on: &BodyBoundary| {
             let first = (self.first)(on.body) as u32;
             self.model.bodies[on.body].mesh.boundary_nodes(&on.boundary).into_iter().map(move |node| node + first)
@@ -88,5 +88,14 @@ impl RoundContacts<'_> {
         let all =
             std::iter::once(&interaction.secondary).chain(interaction.primary()).filter(|on| self.model.bodies[on.body].rigid.is_some());
         all.flat_map(nodes).filter(|node| inside.binary_search(node).is_err()).collect()
+    }
+
+    /// True for a body without supports, joints and boundary loads. A body that is held has all nodes of its boundary as unknowns: with the
+    /// masters alone, constraints of obstacles that press it depend on those that hold it, without a measure of their stiffness.
+    fn is_free(&self, body: usize) -> bool {
+        let Model { supports, prescriptions, loads, joints, .. } = self.model;
+        let on = supports.iter().map(|support| &support.on).chain(prescriptions.iter().map(|given| &given.on));
+        let is_loaded = on.chain(loads.iter().map(|load| &load.on)).any(|on| on.body == body);
+        !is_loaded && !joints.iter().flat_map(|joint| joint.bodies()).any(|joined| joined == body)
     }
 }
