@@ -258,8 +258,8 @@ fn warn_of_constraints(call: &Call, model: &Model, integrator: &Scheme) {
     let Some(what) = of_body.or_else(of_joint).filter(|_| integrator.swings_at_constraints()) else { return };
     let title = format!("the energy of {what} grows with {}", title(integrator));
     let warning = Diagnostic::warning(title, call.place(&Target::Call)).code("C0177");
-    let cause = "forces of constraints swing from step to step, and without numerical damping nothing ends it: in large rotations the energy \
-                 doubles in some tens of steps";
+    let cause = "forces of constraints swing from step to step, and without numerical damping nothing ends it: in large rotations the \
+                 energy doubles in some tens of steps";
     let hint = "take `energy_momentum()` or `midpoint()`, which conserve the energy, or `generalized_alpha()`, which damps";
     call.host.warn(warning.cause(cause).hint(hint));
 }
