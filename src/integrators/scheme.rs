@@ -300,6 +300,13 @@ impl Scheme {
         self.remembers.is_empty() && matches!(self.step, StepKind::Whole)
     }
 
+    /// True if forces of constraints oscillate from step to step without damping, so that the energy of rigid bodies and of joints grows:
+    /// the trapezoidal rule and the members of other families that equal it (Cardona and Géradin, Comput. Struct. 33, 1989).
+    pub fn swings_at_constraints(&self) -> bool {
+        let UpdateCoefficients { moved, velocity, .. } = self.velocity;
+        self.remembers(History::Force) && matches!(self.step, StepKind::Whole) && moved == 2.0 && velocity == -1.0
+    }
+
     /// Force history of a constant force, relative to the force.
     pub fn left(&self) -> f64 {
         self.lag.force + self.lag.inertia
@@ -401,7 +408,7 @@ impl Eq for Scheme {}
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::integrators::{BACKWARD_EULER, CATALOGUE, ENERGY_MOMENTUM, NEWMARK, TRAPEZOIDAL};
+    use crate::integrators::{BACKWARD_EULER, CATALOGUE, ENERGY_MOMENTUM, NEWMARK, TRAPEZOIDAL, generalized_alpha, hht, newmark, wbz};
 
     #[test]
     fn every_row_of_the_catalogue_is_a_scheme() {
@@ -423,6 +430,13 @@ mod tests {
         let opposed = NEWMARK.inertia(dt) * (change - of_velocity * v_0 - of_acceleration * a_0);
         assert!((opposed - (v_1 - v_0) / dt).abs() < 1e-11);
         assert!((NEWMARK.motion(v_1 - v_0, dt) - opposed / NEWMARK.inertia(dt)).abs() < 1e-14);
+    }
+
+    #[test]
+    fn undamped_methods_of_newmarks_kind_swing_at_constraints() {
+        let undamped = [TRAPEZOIDAL, newmark(0.25, 0.5), hht(0.0), wbz(0.0), generalized_alpha(1.0)];
+        assert!(undamped.iter().all(Scheme::swings_at_constraints));
+        assert!(CATALOGUE.iter().filter(|scheme| scheme.name != "trapezoidal").all(|scheme| !scheme.swings_at_constraints()));
     }
 
     #[test]
