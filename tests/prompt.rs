@@ -95,7 +95,8 @@ fn entries_completion_help_and_history() {
     enter(&mut session, ":time 1 + 1", " s\r\n");
     enter(&mut session, ":nonsense", "there is no command");
     // the best match comes first
-    enter(&mut session, "help(\"friction\")", "it is part of\r\n\r\nmodel.add_contact(");
+    enter(&mut session, "help(\"friction\")", "model.add_contact(");
+    enter(&mut session, "help(\"cohesive\")", "no law breaks");
     // digits
     enter(&mut session, "[1.0 / 3, 2e10 / 3, 2.0]", "[0.333333, 6.66667e9, 2.0]");
     enter(&mut session, "%digits 10", "10 digits");

@@ -202,7 +202,7 @@ fn files_and_pictures_say_their_units() {
 fn results_say_their_units() {
     let script = |unit: &str| {
         format!(
-            "units(\"mm-N-t\");\nlet f = param(\"f\", 1.0);\nresult(\"peak\", 2.5 * f, \"{unit}\");\n\
+            "units(\"mm-N-t\");\nlet f = param(\"f\", 1.0, \"force / length\");\nresult(\"peak\", 2.5 * f, \"{unit}\");\n\
              result(\"force\", f, \"force / length\");\n\
              result(\"count\", 3);\nlet steel = neo_hookean(#{{ youngs_modulus: gpa(210), poisson_ratio: 0.3, density: kg_m3(7850) }});\n\
              let m = model(\"m\");\nm.add_body(\"b\", rectangle(#{{ size: [1.0, 1.0], cells: [2, 2] }}), steel);\n\
@@ -215,6 +215,8 @@ fn results_say_their_units() {
     let summary = std::fs::read_to_string(home.join("run/summary.json")).unwrap();
     let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
     assert_eq!(summary["result_units"], serde_json::json!({ "peak": "MPa", "force": "N/mm" }));
+    assert_eq!(summary["parameter_units"], serde_json::json!({ "f": "N/mm" }));
+    assert!(std::fs::read_to_string(home.join("run/report.html")).unwrap().contains("f [N/mm]"));
     assert!(std::fs::read_to_string(home.join("run/report.html")).unwrap().contains("2.5 MPa"));
     let arguments = ["sweep", "main.rhai", "--vary", "f=1,2,4", "--out", "study"];
     let output = program::conserva(&home, &arguments).output().unwrap();
@@ -222,14 +224,39 @@ fn results_say_their_units() {
     assert!(format!("{}{}", stdout(&output), stderr(&output)).contains("peak [MPa]"), "{}{}", stdout(&output), stderr(&output));
     let text = |name: &str| String::from_utf8_lossy(&std::fs::read(home.join("study").join(name)).unwrap()).into_owned();
     assert!(text("study.html").contains(">peak [MPa]<") && text("study.html").contains(">force [N/mm]<"));
-    assert!(text("pictures/peak_over_f.svg").contains("peak [MPa]"));
+    assert!(text("pictures/peak_over_f.svg").contains("peak [MPa]") && text("pictures/peak_over_f.svg").contains("f [N/mm]"));
+    assert!(text("study.html").contains(">f [N/mm]<") && !text("study.html").contains(">cause<"), "a column without values is left out");
     assert!(text("table.csv").starts_with("index,id,f,peak,force,count,"));
     let units: serde_json::Value = serde_json::from_str(&text("units.json")).unwrap();
-    assert_eq!(units["columns"], serde_json::json!({ "peak": "MPa", "force": "N/mm", "wall_seconds": "s" }));
+    assert_eq!(units["columns"], serde_json::json!({ "f": "N/mm", "peak": "MPa", "force": "N/mm", "wall_seconds": "s" }));
     assert!(text("table.parquet").contains("\"peak\":\"MPa\""));
     let wrong = folder("wrong result", &script("MPx"));
     let output = program::conserva(&wrong, &["run", "main.rhai", "--out", "run"]).output().unwrap();
     assert!(stderr(&output).contains("C1077") && stderr(&output).contains("did you mean"), "{}", stderr(&output));
+}
+
+/// Lines of `conserva check` name the units of gravity, places, loads, prescribed motions and times.
+#[test]
+fn checks_say_their_units() {
+    let script = "units(\"mm-N-t\");\nlet rubber = neo_hookean(#{ youngs_modulus: 2.0, poisson_ratio: 0.3, density: kg_m3(1000) });\n\
+                  let m = model(\"m\");\nlet b = m.add_body(\"b\", rectangle(#{ size: [20.0, 10.0], cells: [4, 2] }), rubber);\n\
+                  m.gravity([0.0, -9810.0]);\nm.pressure(b.boundary(\"top\"), 0.01);\n\
+                  m.prescribe(b.boundary(\"left\"), #{ x: ramp(0.0, 0.1, 1.0) });\n\
+                  let disk = rigid_disk(#{ center: [10.0, -5.0], radius: 4.0, motion: #{ angle: 0.0, about: [9.0, -5.0] } });\n\
+                  m.add_contact(\"cam\", #{ secondary: b.boundary(\"bottom\"), primary: disk });\n\
+                  let sim = simulate(m, #{ integrator: energy_momentum(), dt: 0.001 });";
+    let home = folder("check", script);
+    let output = program::conserva(&home, &["check", "main.rhai"]).output().unwrap();
+    let text = stdout(&output);
+    for line in [
+        "dt = 0.001 s",
+        "gravity [0, -9810] mm/s²",
+        "prescribed x [mm] of \"b.left\"",
+        "on \"b.top\" with amplitude 1, in MPa",
+        "disk of radius 4 mm around [10, -5] mm, moving by angle: 0 about [9, -5] mm",
+    ] {
+        assert!(text.contains(line), "{line}: {text}");
+    }
 }
 
 #[test]

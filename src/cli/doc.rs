@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 
 use super::console::{Console, complain, ink};
 use super::process::exit_code;
-use crate::script::{Class, Diagnostic, Reference, Session, Settings, Silent, meant, ranked};
+use crate::script::{Class, Diagnostic, Reference, Session, Settings, Silent, meant, missing, ranked};
 
 /// Arguments of `conserva doc`.
 #[derive(Args)]
@@ -83,7 +83,9 @@ fn search(reference: &Reference, text: &str) -> u8 {
         let names: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
         console.say(&format!("\"{word}\": see {}", names.join(", ")));
     }
-    if found.is_empty() && meant.is_empty() {
+    let missing = missing(text);
+    missing.iter().for_each(|sentence| console.say(&format!("\"{text}\": {sentence}")));
+    if found.is_empty() && meant.is_empty() && missing.is_none() {
         let error = Diagnostic::error(Class::Script, format!("nothing in the reference mentions \"{text}\""));
         complain(&error.hint("use fewer or other words; `conserva doc` lists everything").render(ink()));
         return exit_code(Class::Script);

@@ -224,9 +224,12 @@ fn run_folder(path: &Path) -> Result<Facts, Box<Diagnostic>> {
 
 /// Describes a summary by the entries for users.
 fn summary_facts(summary: Option<&Value>) -> Facts {
-    const SHOWN: [&str; 17] = [
+    const SHOWN: [&str; 20] = [
         "script",
         "parameters",
+        "parameter_units",
+        "results",
+        "result_units",
         "units",
         "version",
         "outcome",

@@ -2,6 +2,7 @@
 //! candidates, and the rigid obstacle of a pair.
 
 use super::patches::{Evaluation, Patches};
+use super::placement::ObstaclePlacement;
 use super::profile::Profile;
 use super::search::{Candidates, PairSearch};
 use super::slip::SlipStep;
@@ -244,6 +245,9 @@ pub trait RigidObstacle {
     /// Sets the translations of the obstacle at the start, in the middle and at the end of the step `[length]`.
     fn move_obstacle(&mut self, _translations: &[[f64; 3]; 3]) {}
 
+    /// Sets the angles of an obstacle that turns about an axis, at the start and at the end of the step `[rad]`.
+    fn turn_obstacle(&mut self, _angles: [f64; 2]) {}
+
     /// Sets the prescribed coordinate of a joint at the start and at the end of the step.
     fn drive(&mut self, _values: [f64; 2]) {}
 
@@ -258,6 +262,11 @@ pub trait RigidObstacle {
     /// Translation of the obstacle at the end of the step `[length]`.
     fn obstacle_translation(&self) -> [f64; 3] {
         [0.0; 3]
+    }
+
+    /// Rotation and translation of the obstacle at the end of the step.
+    fn obstacle_placement(&self) -> ObstaclePlacement {
+        ObstaclePlacement { translation: self.obstacle_translation(), ..ObstaclePlacement::default() }
     }
 
     /// Largest values over all nodes on their straight paths to `q_1`: change of the distance near the obstacle, in facet lengths, and path

@@ -10,7 +10,7 @@
 //! ```
 //!
 //! (Gonzalez, CMAME 190, 2000). The contact forces do the work `sum lambda_A (Phi_A(1) - Phi_A(0))`; a moving obstacle does the further
-//! work `sum lambda_A Gbar_A.(u_1 - u_0)`, which the ledger counts as work of loads. Obstacles do not rotate.
+//! work `sum lambda_A Gbar_A.(u_1 - u_0)`, which the ledger counts as work of loads. Obstacles that turn: `turning.rs`.
 
 use super::kernel::{CandidateSearch, PatchFunctions, RigidObstacle};
 use super::numbers::Number;

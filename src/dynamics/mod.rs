@@ -11,7 +11,9 @@ pub use model::couplings::{Coupling, CouplingKind, Sector};
 pub use model::definitions::{BodyDefinition, Growth, InitialDisplacement, InitialVelocity, Load, LoadKind, Model, Support};
 pub use model::error::ModelError;
 pub use model::held::OverriddenDefinition;
-pub use model::interactions::{BodyBoundary, Coefficient, Enforcement, Friction, Interaction, Partner, PlaceFunction};
+pub use model::interactions::{
+    BodyBoundary, Coefficient, Enforcement, Friction, Interaction, ObstacleRotation, Partner, PlaceFunction, obstacle_place,
+};
 pub use model::joints::{Anchor, Coordinate, Gear, JointDefinition, JointFriction, JointKind};
 pub use model::locking::Locking;
 pub use model::overlaps::{Overlap, OverlapKind};

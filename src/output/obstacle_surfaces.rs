@@ -41,11 +41,11 @@ impl ObstacleSurface {
     /// relative to their extent.
     pub fn new(obstacle: &PlacedObstacle, around: &Surroundings, reach: f64) -> Option<Self> {
         let Obstacle::InSpace(shape) = &obstacle.shape else { return None };
-        let by = Vector::from(obstacle.translation);
-        let (middle, far) = (Vector::from(around.middle) - by, reach * around.extent);
+        let place = obstacle.place;
+        let (middle, far) = (Vector::from(place.in_frame(around.middle)), reach * around.extent);
         let grid = match shape {
             ObstacleInSpace::Facets(facets) => {
-                let points = facets.points().iter().map(|&point| (Vector::from(point) + by).into()).collect();
+                let points = facets.points().iter().map(|&point| place.point(point)).collect();
                 let facets = facets.triangles().iter().map(|nodes| nodes.to_vec()).collect();
                 return Some(ObstacleSurface { name: obstacle.name.clone(), points, facets });
             }
@@ -104,7 +104,7 @@ impl ObstacleSurface {
                 Grid::over([AROUND, HALF_AROUND], [[0.0, TAU], [0.0, TAU]], *is_hollow, at)
             }
         };
-        let points = grid.points.into_iter().map(|point| (point + by).into()).collect();
+        let points = grid.points.into_iter().map(|point| place.point(point.into())).collect();
         Some(ObstacleSurface { name: obstacle.name.clone(), points, facets: grid.facets })
     }
 }
@@ -189,7 +189,7 @@ mod tests {
         }
         let around = Surroundings { middle: [1.0, 1.0, 1.0], extent: 2.0 };
         for (shape, outward) in cases {
-            let placed = PlacedObstacle { name: "wall".into(), shape: Obstacle::InSpace(shape.clone()), translation: [0.0; 3] };
+            let placed = PlacedObstacle { name: "wall".into(), shape: Obstacle::InSpace(shape.clone()), place: Default::default() };
             let surface = ObstacleSurface::new(&placed, &around, 1.0).expect("it is in space");
             assert!(!surface.facets.is_empty());
             for facet in &surface.facets {

@@ -63,23 +63,28 @@ impl Wall {
     /// of the bodies.
     pub fn new(obstacle: &PlacedObstacle, around: &Surroundings, reach: f64) -> Option<Self> {
         let Surroundings { middle, extent } = *around;
-        let shifted = |point: [f64; 2]| [point[0] + obstacle.translation[0], point[1] + obstacle.translation[1]];
+        let place = |[x, y]: [f64; 2], of: &dyn Fn([f64; 3]) -> [f64; 3]| {
+            let [x, y, _] = of([x, y, 0.0]);
+            [x, y]
+        };
+        let placed = |point: [f64; 2]| place(point, &|point| obstacle.place.point(point));
         let thickness = THICKNESS * extent;
         let (border, is_closed, thickness) = match &obstacle.shape {
             Obstacle::InSpace(_) => return None,
             Obstacle::HalfPlane { point, normal } => {
-                let (point, length) = (shifted(*point), normal[0].hypot(normal[1]));
+                let normal = place(*normal, &|normal| obstacle.place.direction(normal));
+                let (point, length) = (placed(*point), normal[0].hypot(normal[1]));
                 let along = [-normal[1] / length, normal[0] / length];
                 let place = along[0] * (middle[0] - point[0]) + along[1] * (middle[1] - point[1]);
                 let end = |way: f64| [0, 1].map(|d| point[d] + (place + way * reach * extent) * along[d]);
                 (vec![end(-1.0), end(1.0)], false, thickness)
             }
-            Obstacle::Disk { center, radius } => (circle(shifted(*center), *radius, 1.0, extent), true, *radius),
-            Obstacle::Ring { center, radius } => (circle(shifted(*center), *radius, -1.0, extent), true, thickness),
+            Obstacle::Disk { center, radius } => (circle(placed(*center), *radius, 1.0, extent), true, *radius),
+            Obstacle::Ring { center, radius } => (circle(placed(*center), *radius, -1.0, extent), true, thickness),
             Obstacle::Polyline { points } => {
                 let is_closed = points.len() > 3 && points.first() == points.last();
                 let count = points.len() - usize::from(is_closed);
-                (points[..count].iter().map(|&point| shifted(point)).collect(), is_closed, thickness)
+                (points[..count].iter().map(|&point| placed(point)).collect(), is_closed, thickness)
             }
         };
         let back = behind(&border, is_closed, thickness);
@@ -153,10 +158,27 @@ fn behind(chain: &[[f64; 2]], is_closed: bool, distance: f64) -> Vec<[f64; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::contact::{ObstaclePlacement, TurningAxis};
 
     fn wall(shape: Obstacle) -> Wall {
         let around = Surroundings { middle: [3.0, 5.0, 0.0], extent: 2.0 };
-        Wall::new(&PlacedObstacle { name: "ground".into(), shape, translation: [1.0, 0.5, 0.0] }, &around, 2.0).expect("it is of the plane")
+        Wall::new(&PlacedObstacle { name: "ground".into(), shape, place: moved([1.0, 0.5, 0.0]) }, &around, 2.0)
+            .expect("it is of the plane")
+    }
+
+    fn moved(translation: [f64; 3]) -> ObstaclePlacement {
+        ObstaclePlacement { translation, ..ObstaclePlacement::default() }
+    }
+
+    #[test]
+    fn an_obstacle_is_drawn_where_it_has_turned() {
+        let around = Surroundings { middle: [0.0; 3], extent: 2.0 };
+        let place = TurningAxis::new([1.0, 0.0, 0.0], [0.0, 0.0, 1.0]).place(std::f64::consts::FRAC_PI_2, [0.0, 0.25, 0.0]);
+        let drawn = |shape| Wall::new(&PlacedObstacle { name: "paddle".into(), shape, place }, &around, 1.0).expect("it is of the plane");
+        let blade = drawn(Obstacle::Polyline { points: vec![[1.0, 0.0], [3.0, 0.0]] });
+        assert!(close(blade.border[0], [1.0, 0.25]) && close(blade.border[1], [1.0, 2.25]), "{blade:?}");
+        let ground = drawn(Obstacle::HalfPlane { point: [0.0, 0.0], normal: [0.0, 1.0] });
+        assert!(close(ground.border[0], [1.0, -2.0]) || close(ground.border[0], [1.0, 2.0]), "{ground:?}");
     }
 
     fn close(a: [f64; 2], b: [f64; 2]) -> bool {

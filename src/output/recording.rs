@@ -19,7 +19,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::picture::{Field, Vectors};
 use super::still_fields::{FURTHER, Further, Rank, StillOptions};
-use crate::contact::Obstacle;
+use crate::contact::{Obstacle, ObstaclePlacement};
 use crate::dynamics::{BodyDefinition, BodyFields, Model, Partner, PlacedObstacle, Simulation};
 use crate::mesh::Mesh;
 
@@ -120,6 +120,9 @@ impl Skin {
     }
 }
 
+/// Rigid obstacle in a still: index of its shape in [`shapes`], translation `[length]` and rotation vector `[rad]`.
+pub type StillObstacle = (usize, [f64; 3], [f64; 3]);
+
 /// Recorded fields of a state.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Still {
@@ -133,8 +136,8 @@ pub struct Still {
     pub extremes: Vec<[f64; 2]>,
     /// Longest vector of contact pressure `[stress]`.
     pub pressing: f64,
-    /// Rigid obstacles: index of the shape in [`shapes`], translation.
-    pub obstacles: Vec<(usize, [f64; 3])>,
+    /// Rigid obstacles.
+    pub obstacles: Vec<StillObstacle>,
     bytes: Bytes,
 }
 
@@ -214,7 +217,7 @@ impl Recording {
             still.is_of(&self.bodies)
                 && still.extremes.len() == Field::BASIC.len()
                 && still.row < rows
-                && still.obstacles.iter().all(|(shape, _)| *shape < shapes)
+                && still.obstacles.iter().all(|(shape, ..)| *shape < shapes)
         };
         (other.most, &other.bodies) == (self.most, &self.bodies) && other.spacing.is_power_of_two() && other.stills.iter().all(is_whole)
     }
@@ -273,7 +276,7 @@ impl Recording {
         Still { row, steps: self.steps, time: simulation.time(), ..self.packed(&simulation.fields(), shapes) }
     }
 
-    fn packed(&self, bodies: &[BodyFields], obstacles: Vec<(usize, [f64; 3])>) -> Still {
+    fn packed(&self, bodies: &[BodyFields], obstacles: Vec<StillObstacle>) -> Still {
         let mut bytes = Vec::new();
         let mut extremes = vec![[f64::INFINITY, f64::NEG_INFINITY]; Field::BASIC.len()];
         let mut pressing: f64 = 0.0;
@@ -289,7 +292,7 @@ impl Recording {
 }
 
 /// Returns obstacles as indices of shapes, numbered in the order of their first occurrence.
-fn shapes_of(placed: &[PlacedObstacle]) -> Vec<(usize, [f64; 3])> {
+fn shapes_of(placed: &[PlacedObstacle]) -> Vec<StillObstacle> {
     let mut shapes: Vec<&Obstacle> = Vec::new();
     let mut number = |shape| match shapes.iter().position(|known| *known == shape) {
         Some(number) => number,
@@ -298,7 +301,7 @@ fn shapes_of(placed: &[PlacedObstacle]) -> Vec<(usize, [f64; 3])> {
             shapes.len() - 1
         }
     };
-    placed.iter().map(|obstacle| (number(&obstacle.shape), obstacle.translation)).collect()
+    placed.iter().map(|obstacle| (number(&obstacle.shape), obstacle.place.translation, obstacle.place.rotation)).collect()
 }
 
 /// Returns minimum and maximum of each field of [`Field::BASIC`]. Magnitudes are compared by their squares, because the function runs after
@@ -454,8 +457,9 @@ impl Still {
 
     /// Returns the rigid obstacles; `shapes` are those of the model.
     pub fn placed(&self, shapes: &[Obstacle]) -> Vec<PlacedObstacle> {
-        let of = |&(number, translation): &(usize, [f64; 3])| {
-            shapes.get(number).map(|shape| PlacedObstacle { name: String::new(), shape: shape.clone(), translation })
+        let of = |&(number, translation, rotation): &StillObstacle| {
+            let place = ObstaclePlacement { rotation, translation };
+            shapes.get(number).map(|shape| PlacedObstacle { name: String::new(), shape: shape.clone(), place })
         };
         self.obstacles.iter().filter_map(of).collect()
     }

@@ -25,6 +25,9 @@ pub struct Summary {
     pub script: String,
     /// Values of `param(...)` by name.
     pub parameters: BTreeMap<String, serde_json::Value>,
+    /// Units of the parameters that have one, by name.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub parameter_units: BTreeMap<String, String>,
     /// Results of the script from `result(...)`, in the order of the calls.
     #[serde(serialize_with = "in_order")]
     pub results: Vec<(String, serde_json::Value)>,
@@ -80,6 +83,7 @@ pub struct Summary {
 pub const KEYS: &[(&str, &str)] = &[
     ("script", "the path of the script"),
     ("parameters", "the values of `param(...)` by name"),
+    ("parameter_units", "an object: the units of the parameters for which `param` was given one"),
     ("results", "what the script yields with `result(...)` by name; numbers that are not finite are the texts `NaN`, `inf` and `-inf`"),
     ("result_units", "an object: the units of the results for which `result` was given one"),
     ("version", "the version of the program"),
@@ -380,6 +384,7 @@ mod tests {
         let mut summary = Summary {
             script: "bearing.rhai".into(),
             parameters: [("dt".into(), 0.005.into()), ("held".into(), true.into())].into(),
+            parameter_units: [("dt".into(), "s".into())].into(),
             wall_seconds: WallSeconds::new(Duration::from_secs(1), &phases, Duration::from_millis(125), Duration::ZERO),
             outcome: "completed".into(),
             units: Some([("mass", "kg".to_string())].into()),
@@ -410,6 +415,9 @@ mod tests {
           "parameters": {
             "dt": 0.005,
             "held": true
+          },
+          "parameter_units": {
+            "dt": "s"
           },
           "results": {
             "peak": 2.5

@@ -375,7 +375,7 @@ mod tests {
 
     use super::super::samples::{block, ring};
     use super::*;
-    use crate::contact::Obstacle;
+    use crate::contact::{Obstacle, ObstaclePlacement};
     use crate::dynamics::NodeState;
     use crate::mesh::read_mesh_bytes;
 
@@ -464,12 +464,16 @@ mod tests {
         assert!(String::from_utf8_lossy(&Frame::new(0.0, &[]).encode()).contains("NumberOfPoints=\"0\" NumberOfCells=\"0\""));
     }
 
+    fn moved(translation: [f64; 3]) -> ObstaclePlacement {
+        ObstaclePlacement { translation, ..ObstaclePlacement::default() }
+    }
+
     #[test]
     fn obstacles_are_quadrilaterals_that_move() {
         let shape = Obstacle::Polyline { points: vec![[4.0, 0.0], [2.0, 0.0], [2.0, 0.5], [0.0, 0.5]] };
-        let stairs = PlacedObstacle { name: "stairs".into(), shape, translation: [0.25, 0.0, 0.0] };
+        let stairs = PlacedObstacle { name: "stairs".into(), shape, place: moved([0.25, 0.0, 0.0]) };
         let ground = Obstacle::HalfPlane { point: [0.0, 0.0], normal: [0.0, 1.0] };
-        let ground = PlacedObstacle { name: "ground".into(), shape: ground, translation: [0.0; 3] };
+        let ground = PlacedObstacle { name: "ground".into(), shape: ground, place: moved([0.0; 3]) };
         let around = Surroundings::of_bodies(&[ring("ring", [1.0, 1.5], [2, 12])]);
         let file = Frame::of_obstacles(0.5, &[stairs, ground], &around).encode();
         assert_eq!(array(&file, "types").1, [9; 4]);

@@ -28,6 +28,6 @@ pub use session::pages::{PAGES, Page};
 pub use session::ranking::ranked;
 pub use session::reference::{Entry, Reference};
 pub use session::session::{Outline, Report, Session, read_script};
-pub use session::synonyms::meant;
+pub use session::synonyms::{meant, missing};
 pub use session::testing::{TestCase, TestFile, TestOutcome, home, script_files, tests_of};
 pub use session::words::Word;

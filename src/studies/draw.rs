@@ -43,13 +43,13 @@ pub fn pictures(table: &StudyTable) -> Vec<StudyPicture> {
         let Some(values) = result.numbers().filter(|values| values.iter().flatten().any(|value| value.is_finite())) else { continue };
         let result = Named { name: result.name(), title: table.titled(result), values };
         if let Some(&first) = axes.iter().max_by_key(|&&axis| (count_different(parameters[axis]), std::cmp::Reverse(axis))) {
-            match family(&parameters, first, &result) {
-                Some(curves) => all.push(curve_picture(parameters[first], &result, curves)),
-                None => all.extend(axes.iter().map(|&axis| scatter(parameters[axis], &result))),
+            match family(table, first, &result) {
+                Some(curves) => all.push(curve_picture(table, parameters[first], &result, curves)),
+                None => all.extend(axes.iter().map(|&axis| scatter(table, parameters[axis], &result))),
             }
         }
         if let ([a, b], 2) = (&axes[..], parameters.len()) {
-            all.extend(response(parameters[*a], parameters[*b], &result));
+            all.extend(response(table, [parameters[*a], parameters[*b]], &result));
         }
     }
     all.truncate(MOST);
@@ -64,7 +64,8 @@ fn count_different(column: &StudyColumn) -> usize {
 }
 
 /// Returns a curve over one parameter for each combination of the others; `None` if there are too many combinations.
-fn family(parameters: &[&StudyColumn], axis: usize, result: &Named) -> Option<Vec<Curve>> {
+fn family(table: &StudyTable, axis: usize, result: &Named) -> Option<Vec<Curve>> {
+    let parameters = &table.columns[table.parameters.clone()];
     let xs = parameters[axis].numbers()?;
     // Each curve with its first row.
     let mut curves: Vec<(usize, Vec<[f64; 2]>)> = Vec::new();
@@ -80,7 +81,7 @@ fn family(parameters: &[&StudyColumn], axis: usize, result: &Named) -> Option<Ve
     let is_family = curves.iter().any(|(_, points)| points.len() > 1);
     let curve = |(row, mut points): (usize, Vec<[f64; 2]>)| {
         points.sort_by(|a, b| a[0].total_cmp(&b[0]));
-        let label = others().map(|column| format!("{} = {}", column.name(), column.shown(row))).collect::<Vec<_>>().join(", ");
+        let label = others().map(|column| table.assigned(column, row)).collect::<Vec<_>>().join(", ");
         let label = if label.is_empty() { result.name.to_string() } else { label };
         Curve {
             label,
@@ -92,12 +93,12 @@ fn family(parameters: &[&StudyColumn], axis: usize, result: &Named) -> Option<Ve
     is_family.then(|| curves.into_iter().map(curve).collect())
 }
 
-fn curve_picture(parameter: &StudyColumn, result: &Named, curves: Vec<Curve>) -> StudyPicture {
+fn curve_picture(table: &StudyTable, parameter: &StudyColumn, result: &Named, curves: Vec<Curve>) -> StudyPicture {
     let title = format!("{} over {}", result.name, parameter.name());
     // Lines with markers, so that computed points are visible.
     let markers = curves.iter().map(|curve| Curve { style: CurveStyle::Points, label: String::new(), ..curve.clone() }).collect::<Vec<_>>();
     let plot = Plot {
-        x: axis(parameter.name(), parameter.numbers().unwrap_or_default()),
+        x: axis(&table.titled(parameter), parameter.numbers().unwrap_or_default()),
         y: axis(&result.title, result.values),
         ..Plot::default()
     };
@@ -106,7 +107,7 @@ fn curve_picture(parameter: &StudyColumn, result: &Named, curves: Vec<Curve>) ->
     StudyPicture { name: file_name(&title), title, drawing: plot.draw() }
 }
 
-fn scatter(parameter: &StudyColumn, result: &Named) -> StudyPicture {
+fn scatter(table: &StudyTable, parameter: &StudyColumn, result: &Named) -> StudyPicture {
     let xs = parameter.numbers().unwrap_or_default();
     let known: Vec<[f64; 2]> = xs.iter().zip(result.values).filter_map(|(x, y)| Some([(*x)?, (*y)?])).collect();
     let title = format!("{} over {}", result.name, parameter.name());
@@ -119,7 +120,7 @@ fn scatter(parameter: &StudyColumn, result: &Named) -> StudyPicture {
     };
     let plot = Plot {
         title: title.clone(),
-        x: axis(parameter.name(), xs),
+        x: axis(&table.titled(parameter), xs),
         y: axis(&result.title, result.values),
         curves: vec![curve],
         ..Plot::default()
@@ -127,7 +128,7 @@ fn scatter(parameter: &StudyColumn, result: &Named) -> StudyPicture {
     StudyPicture { name: file_name(&title), title, drawing: plot.draw() }
 }
 
-fn response(a: &StudyColumn, b: &StudyColumn, result: &Named) -> Option<StudyPicture> {
+fn response(table: &StudyTable, [a, b]: [&StudyColumn; 2], result: &Named) -> Option<StudyPicture> {
     let (xs, ys) = (a.numbers()?, b.numbers()?);
     let points = xs
         .iter()
@@ -139,8 +140,8 @@ fn response(a: &StudyColumn, b: &StudyColumn, result: &Named) -> Option<StudyPic
         return None;
     }
     let title = format!("{} over {} and {}", result.name, a.name(), b.name());
-    let drawing =
-        Response { title: title.clone(), x: axis(a.name(), xs), y: axis(b.name(), ys), label: result.title.clone(), points }.draw();
+    let (x, y) = (axis(&table.titled(a), xs), axis(&table.titled(b), ys));
+    let drawing = Response { title: title.clone(), x, y, label: result.title.clone(), points }.draw();
     Some(StudyPicture { name: file_name(&title), title, drawing })
 }
 

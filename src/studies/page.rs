@@ -84,7 +84,10 @@ fn troubles(plan: &Plan, collected: &Collected) -> String {
 }
 
 fn table(study: &StudyFolder, plan: &Plan, collected: &Collected) -> String {
-    let shown: Vec<_> = collected.table.columns.iter().filter(|column| !HIDDEN.contains(&column.name())).collect();
+    // Columns without any value, such as the drifts of scripts without simulations, take only room.
+    let has_any = |column: &StudyColumn| (0..collected.table.rows()).any(|row| !column.cell(row).is_empty());
+    let is_shown = |column: &&StudyColumn| !HIDDEN.contains(&column.name()) && has_any(column);
+    let shown: Vec<&StudyColumn> = collected.table.columns.iter().filter(is_shown).collect();
     let head: String = shown
         .iter()
         .map(|column| format!("<th><button type=\"button\">{}</button></th>", escaped(&collected.table.titled(column))))

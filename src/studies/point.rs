@@ -1,6 +1,5 @@
 //! One point of a study: a plain run of the script in a folder of its own.
 
-use std::collections::BTreeMap;
 use std::path::Path;
 use std::rc::Rc;
 use std::sync::atomic::Ordering;
@@ -105,7 +104,7 @@ fn run(
         interrupt: stop.clone(),
         ..Settings::default()
     };
-    let (report, scripts, results, units) = match Session::new(settings, home(script), transcript.clone()) {
+    let (report, scripts, results, [units, parameter_units]) = match Session::new(settings, home(script), transcript.clone()) {
         Ok(mut session) => {
             if let Some((checkpoint, aside)) = resumed {
                 let lock = RunLock::take(&folder).and_then(|lock| checkpoint::restore_files(&folder, &aside).map(|()| lock));
@@ -115,9 +114,9 @@ fn run(
                     .map_err(|error| unwritten(&OutputError::Write { path: folder.clone(), source: error }))?;
             }
             let report = session.run_file(script);
-            (report, Some(session.digest()), session.results(), session.result_units())
+            (report, Some(session.digest()), session.results(), [session.result_units(), session.parameter_units()])
         }
-        Err(error) => (Report::failed(*error), None, Vec::new(), BTreeMap::new()),
+        Err(error) => (Report::failed(*error), None, Vec::new(), Default::default()),
     };
     let results =
         results.into_iter().map(|(name, value)| PointResult { unit: units.get(&name).cloned().unwrap_or_default(), name, value }).collect();
@@ -131,13 +130,14 @@ fn run(
             // Resuming would only lead to the time limit again.
             checkpoint::remove_all(&folder).map_err(|error| unwritten(&error))?;
             // The steps reached depend on the machine, so that the table does not list them.
-            Ok(Some(Record { scripts, results, wall_seconds: seconds, ..late }))
+            Ok(Some(Record { scripts, parameter_units, results, wall_seconds: seconds, ..late }))
         }
         error => {
             let outcome = if error.is_some() { RecordOutcome::Failed } else { RecordOutcome::Completed };
             let cause = error.as_ref().map(told);
             let warnings = transcript.warnings();
-            let record = Record { cause, scripts, results, warnings, wall_seconds: seconds, ..Record::of(&point.id, outcome, "") };
+            let record =
+                Record { cause, scripts, parameter_units, results, warnings, wall_seconds: seconds, ..Record::of(&point.id, outcome, "") };
             Ok(Some(filled(record, &folder, &report.energy)))
         }
     }

@@ -1,5 +1,6 @@
 //! Record of a computed point: `point.json` in the folder of the point, written at its end.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
@@ -66,6 +67,9 @@ pub struct Record {
     pub outcome: RecordOutcome,
     /// Cause of an outcome other than completed.
     pub cause: Option<String>,
+    /// Units of the parameters that have one, by name.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub parameter_units: BTreeMap<String, String>,
     /// Results of the script.
     pub results: Vec<PointResult>,
     /// Number of warnings.
@@ -92,6 +96,7 @@ impl Record {
             id: id.into(),
             outcome,
             cause: Some(cause.into()),
+            parameter_units: BTreeMap::new(),
             results: Vec::new(),
             warnings: 0,
             steps: None,

@@ -91,8 +91,13 @@ impl StudyTable {
             texts("id", plan.points.iter().map(|point| Some(point.id.clone())).collect()),
         ];
         let parameters = columns.len()..columns.len() + plan.names.len();
+        let mut units = BTreeMap::from([("wall_seconds".to_string(), "s".to_string())]);
         for (place, name) in plan.names.iter().enumerate() {
-            columns.push(parameter(&own_name(name, "parameter"), plan.points.iter().map(|point| point.values[place].as_str()).collect()));
+            let shown = own_name(name, "parameter");
+            if let Some(unit) = records.iter().flatten().find_map(|record| record.parameter_units.get(name)) {
+                units.insert(shown.clone(), unit.clone());
+            }
+            columns.push(parameter(&shown, plan.points.iter().map(|point| point.values[place].as_str()).collect()));
         }
         let mut names: Vec<&str> = Vec::new();
         for result in records.iter().flatten().flat_map(|record| &record.results) {
@@ -101,7 +106,6 @@ impl StudyTable {
             }
         }
         let results = columns.len()..columns.len() + names.len();
-        let mut units = BTreeMap::from([("wall_seconds".to_string(), "s".to_string())]);
         for name in names {
             let shown =
                 if plan.names.iter().any(|parameter| parameter == name) { format!("{name} (result)") } else { own_name(name, "result") };
@@ -145,6 +149,12 @@ impl StudyTable {
     pub fn titled(&self, column: &StudyColumn) -> String {
         let name = column.name();
         self.units.get(name).map_or(name.to_string(), |unit| format!("{name} [{}]", pretty_unit(unit)))
+    }
+
+    /// Name of a column with its value in a row and the unit, such as `gap = 0.1 mm`.
+    pub fn assigned(&self, column: &StudyColumn, row: usize) -> String {
+        let (name, value) = (column.name(), column.shown(row));
+        self.units.get(name).map_or(format!("{name} = {value}"), |unit| format!("{name} = {value} {}", pretty_unit(unit)))
     }
 
     /// Returns the text of `units.json`: the unit of each column that has one.

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::amplitude::Amplitude;
 use super::definitions::Model;
 use super::hulls::ALLOWED;
-use super::interactions::{Interaction, Partner};
+use super::interactions::{Interaction, ObstacleRotation, Partner, obstacle_place};
 use crate::contact::{Clearance, Finding, NamedSurface, Nearest, Obstacle, Surface, looks_away};
 use crate::math::tolerances::DEPTH;
 use crate::mesh::{Mesh, is_inside};
@@ -28,6 +28,7 @@ struct Bound {
     body: String,
     obstacle: Clearance,
     motion: [Option<Amplitude>; 3],
+    turn: Option<ObstacleRotation>,
     dimension: usize,
     /// Number of the body's first node in the model.
     first: usize,
@@ -66,7 +67,7 @@ impl ObstacleBounds {
         let mut known: Vec<(usize, &Obstacle)> = Vec::new();
         let mut bounds = Vec::new();
         for interaction in &model.interactions {
-            let Partner::Obstacle { shape, motion, .. } = &interaction.partner else { continue };
+            let Partner::Obstacle { shape, motion, turn } = &interaction.partner else { continue };
             let body = interaction.secondary.body;
             if known.contains(&(body, shape)) {
                 continue;
@@ -94,6 +95,7 @@ impl ObstacleBounds {
                 body: model.bodies[body].name.clone(),
                 obstacle: Clearance::new(shape),
                 motion: motion.clone(),
+                turn: turn.clone(),
                 dimension,
                 first: firsts[body],
                 nodes: mesh.points.len(),
@@ -129,14 +131,14 @@ impl ObstacleBounds {
 impl Bound {
     /// Deepest point of the hull, if deeper than `allowed`: depth in facets and position.
     fn deepest(&self, q: &[f64], time: f64, allowed: f64) -> Option<(f64, [f64; 3])> {
-        // Errors of time functions are reported by the next step, which evaluates them again.
-        let by = self.motion.each_ref().map(|motion| motion.as_ref().and_then(|motion| motion.value(time).ok()).unwrap_or(0.0));
-        let at =
-            |node: u32| std::array::from_fn(|i| if i < self.dimension { q[self.dimension * node as usize + i] - by[i] } else { -by[i] });
+        let place = obstacle_place(&self.motion, self.turn.as_ref(), time);
+        let at = |node: u32| {
+            place.in_frame(std::array::from_fn(|i| if i < self.dimension { q[self.dimension * node as usize + i] } else { 0.0 }))
+        };
         let mut found: Option<(f64, [f64; 3])> = None;
         let mut add = |facets: f64, x: [f64; 3]| {
             if found.is_none_or(|(most, _)| facets > most) {
-                found = Some((facets, std::array::from_fn(|i| x[i] + by[i])));
+                found = Some((facets, place.point(x)));
             }
         };
         if self.obstacle.is_open() {
@@ -218,7 +220,7 @@ impl Model {
     /// Finding for a secondary surface that faces away from its rigid obstacle; `None` also for surfaces that may rotate or move towards
     /// it.
     pub(super) fn away_from_obstacle(&self, interaction: &Interaction) -> Option<Finding> {
-        let Partner::Obstacle { shape, motion, .. } = &interaction.partner else { return None };
+        let Partner::Obstacle { shape, motion, turn } = &interaction.partner else { return None };
         let (on, dimension) = (&interaction.secondary, self.dimension());
         let body = on.body;
         let turns = self.prescriptions.iter().any(|given| given.on.body == body && given.turn.is_some())
@@ -227,7 +229,8 @@ impl Model {
             || self.initial_velocities.iter().any(|given| given.body == body && given.linear != [0.0; 3])
             || motion.iter().any(Option::is_some);
         let is_flat = matches!(shape, Obstacle::HalfPlane { .. } | Obstacle::InSpace(crate::contact::ObstacleInSpace::Plane { .. }));
-        if turns || (moves && !is_flat) || self.is_guided(on, &[]) {
+        let tilts = turn.as_ref().is_some_and(|turn| turn.about.is_some());
+        if turns || tilts || (moves && !is_flat) || self.is_guided(on, &[]) {
             return None;
         }
         let mesh = &self.bodies[body].mesh;

@@ -194,7 +194,7 @@ impl Model {
     /// Times of kinks of loads, prescribed motions, drives and obstacles, ascending.
     pub fn corners(&self) -> Vec<f64> {
         let motions = self.interactions.iter().filter_map(|interaction| match &interaction.partner {
-            Partner::Obstacle { motion, turn, .. } => Some(motion.iter().flatten().chain(turn)),
+            Partner::Obstacle { motion, turn, .. } => Some(motion.iter().flatten().chain(turn.as_ref().map(|turn| &turn.angle))),
             _ => None,
         });
         let loads = self.loads.iter().map(|load| &load.amplitude).chain(&self.gravity_amplitude);
@@ -324,6 +324,10 @@ impl Model {
         }
         if let Some(given) = self.prescriptions.iter().find(|given| given.turn.is_some()) {
             return breaks(format!("the prescribed angle of \"{}\"", self.boundary_name(&given.on)));
+        }
+        let tilts = |one: &&Interaction| matches!(&one.partner, Partner::Obstacle { turn: Some(turn), .. } if turn.about.is_some());
+        if let Some(Interaction { name, .. }) = self.interactions.iter().find(tilts) {
+            return breaks(format!("the angle of the obstacle of contact \"{name}\""));
         }
         match self.initial_velocities.iter().find(|given| given.linear[0] != 0.0 || given.angular[2] != 0.0) {
             Some(given) => breaks(format!("the initial velocity of body \"{}\"", self.bodies[given.body].name)),

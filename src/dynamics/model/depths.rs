@@ -9,7 +9,7 @@ use super::amplitude::Amplitude;
 use super::boundaries::{boundary_facets, facets_of_all};
 use super::definitions::Model;
 use super::hulls::distance;
-use super::interactions::{BodyBoundary, Partner};
+use super::interactions::{BodyBoundary, ObstacleRotation, Partner, obstacle_place};
 use crate::contact::{Obstacle, Surface};
 use crate::math::tolerances::{BESIDE, DEPTH, OPPOSITE};
 use crate::mesh::is_inside;
@@ -36,7 +36,7 @@ struct Side {
 enum Other {
     Side(Side),
     Itself,
-    Corners { points: Vec<[f64; 2]>, motion: [Option<Amplitude>; 3] },
+    Corners { points: Vec<[f64; 2]>, motion: [Option<Amplitude>; 3], turn: Option<ObstacleRotation> },
 }
 
 /// The deepest place of a contact.
@@ -92,8 +92,8 @@ impl Depths {
                     }));
                 }
                 Partner::Itself => meetings.push(Meeting { contact, first: first(), other: Other::Itself }),
-                Partner::Obstacle { shape: Obstacle::Polyline { points }, motion, .. } => {
-                    let other = Other::Corners { points: points.clone(), motion: motion.clone() };
+                Partner::Obstacle { shape: Obstacle::Polyline { points }, motion, turn } => {
+                    let other = Other::Corners { points: points.clone(), motion: motion.clone(), turn: turn.clone() };
                     meetings.push(Meeting { contact, first: first(), other });
                 }
                 Partner::Obstacle { .. } | Partner::Tied { .. } => {}
@@ -122,10 +122,12 @@ impl Depths {
                     [deepest(body, points(&first.surface, q), other), deepest(Some(other.body), points(&other.surface, q), first)]
                 }
                 Other::Itself => [deepest(body, points(&first.surface, q), first), None],
-                Other::Corners { points, motion } => {
-                    // Errors of time functions are reported by the next step, which evaluates them again.
-                    let by = motion.each_ref().map(|motion| motion.as_ref().and_then(|motion| motion.value(time).ok()).unwrap_or(0.0));
-                    let at = |point: &[f64; 2]| Point { at: [point[0] + by[0], point[1] + by[1]], normal: None, size: 0.0, node: None };
+                Other::Corners { points, motion, turn } => {
+                    let place = obstacle_place(motion, turn.as_ref(), time);
+                    let at = |point: &[f64; 2]| {
+                        let [x, y, _] = place.point([point[0], point[1], 0.0]);
+                        Point { at: [x, y], normal: None, size: 0.0, node: None }
+                    };
                     [deepest(None, points.iter().map(at).collect(), first), None]
                 }
             };

@@ -5,7 +5,9 @@ use std::sync::Arc;
 
 use super::amplitude::{Amplitude, TimeFunctionError};
 use super::update_rules::UpdateRule;
-use crate::contact::{ContactMethod, FacetShape, FrictionLaw, MORTAR, Obstacle};
+use crate::contact::{
+    ContactKernel, ContactMethod, FacetShape, FrictionLaw, MORTAR, Obstacle, ObstaclePlacement, TurningAxis, TurningContact,
+};
 use crate::mesh::Boundary;
 
 /// A boundary of a body.
@@ -110,9 +112,8 @@ pub enum Partner {
         shape: Obstacle,
         /// Translation in x, y and z over time `[length]`; `None` without translation.
         motion: [Option<Amplitude>; 3],
-        /// Angle of rotation of a disk or ring about its center, or of a body of revolution about its axis `[rad]`, counter-clockwise; used
-        /// for friction alone. `None` without rotation.
-        turn: Option<Amplitude>,
+        /// Rotation; `None` without rotation.
+        turn: Option<ObstacleRotation>,
     },
     /// Boundary to which the secondary side is tied with nonmatching meshes; preferably the coarser one.
     Tied {
@@ -121,6 +122,33 @@ pub enum Partner {
         /// Largest distance of tied points in the undeformed bodies `[length]`; `None`: half of the shortest secondary facet.
         reach: Option<f64>,
     },
+}
+
+/// Rotation of a rigid obstacle about an axis.
+#[derive(Clone)]
+pub struct ObstacleRotation {
+    /// Angle over time `[rad]`, counter-clockwise, in space as a right-handed screw.
+    pub angle: Amplitude,
+    /// Axis about which the shape turns; `None` for a round obstacle that turns about its own axis, which affects friction alone.
+    pub about: Option<TurningAxis>,
+}
+
+impl ObstacleRotation {
+    /// Contact with the obstacle that turns, from the contact with the obstacle at rest.
+    pub fn turning(rotation: Option<&Self>, kernel: Box<dyn ContactKernel>, reference: &[f64]) -> Box<dyn ContactKernel> {
+        match rotation.and_then(|rotation| rotation.about) {
+            Some(axis) => Box::new(TurningContact::new(kernel, axis, reference)),
+            None => kernel,
+        }
+    }
+}
+
+/// Place of a rigid obstacle at a time; motions whose time functions fail count as none, since steps report the failure.
+pub fn obstacle_place(motion: &[Option<Amplitude>; 3], turn: Option<&ObstacleRotation>, time: f64) -> ObstaclePlacement {
+    let at = |function: &Amplitude| function.value(time).ok().unwrap_or(0.0);
+    let translation = motion.each_ref().map(|motion| motion.as_ref().map_or(0.0, at));
+    let turned = turn.and_then(|turn| turn.about.map(|axis| axis.place(at(&turn.angle), translation)));
+    turned.unwrap_or(ObstaclePlacement { translation, ..ObstaclePlacement::default() })
 }
 
 impl Interaction {

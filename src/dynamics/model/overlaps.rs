@@ -4,10 +4,11 @@
 
 use std::fmt;
 
+use super::amplitude::Amplitude;
 use super::boundaries::boundary_facets;
 use super::definitions::{BodyDefinition, Model};
 use super::hulls::{ALLOWED, BodyHull, Hull, MutualPenetration};
-use super::interactions::{Interaction, Partner};
+use super::interactions::{Interaction, ObstacleRotation, Partner};
 use crate::contact::{ContactKernel, Evaluation, Obstacle, PredictedMotion, RigidContact, RigidInSpace, Surface};
 use crate::integrators::Derivative;
 use crate::mesh::Facet;
@@ -118,18 +119,24 @@ impl Model {
 
     /// Penetration of a boundary into its rigid obstacle at the start.
     fn obstacle_overlap(&self, interaction: &Interaction) -> Option<Overlap> {
-        let Partner::Obstacle { shape, motion, .. } = &interaction.partner else { return None };
+        let Partner::Obstacle { shape, motion, turn } = &interaction.partner else { return None };
         let (body, dimension) = (interaction.secondary.body, self.dimension());
         let reference: Vec<f64> = self.start(body).iter().flat_map(|point| &point[..dimension]).copied().collect();
         // Errors of time functions are reported by the first step, which evaluates them again.
-        let translation = motion.clone().map(|function| function.and_then(|function| function.value(0.0).ok()).unwrap_or(0.0));
-        let mut kernel: Box<dyn ContactKernel> = match shape {
+        let at = |function: &Amplitude| function.value(0.0).ok().unwrap_or(0.0);
+        let translation = motion.each_ref().map(|function| function.as_ref().map_or(0.0, at));
+        let placed = |kernel: Box<dyn ContactKernel>| {
+            let mut kernel = ObstacleRotation::turning(turn.as_ref(), kernel, &reference);
+            kernel.move_obstacle(&[translation; 3]);
+            kernel.turn_obstacle([turn.as_ref().map_or(0.0, |turn| at(&turn.angle)); 2]);
+            kernel
+        };
+        let mut kernel = placed(match shape {
             Obstacle::InSpace(shape) => {
                 Box::new(RigidInSpace::new(self.faces_of(&interaction.secondary.boundary.facets, body), shape, &reference))
             }
             _ => Box::new(RigidContact::new(&boundary_facets(self, &interaction.secondary, 0), shape, &reference)),
-        };
-        kernel.move_obstacle(&[translation; 3]);
+        });
         kernel.update_candidates(&PredictedMotion::within(&reference, 0.0));
         kernel.begin_step(&reference);
         let size = kernel.facet_size();
@@ -139,7 +146,7 @@ impl Model {
         }
         // If the obstacle has the wrong orientation, its secondary surface is the foremost part of the body, and the deepest point is
         // elsewhere.
-        let behind = self.behind(body, shape, translation, size).filter(|_| looks_away(&*kernel, &reference, -least));
+        let behind = self.behind(body, shape, &placed, size).filter(|_| looks_away(&*kernel, &reference, -least));
         let (least, node) = match behind {
             Some(deepest) if least >= -ALLOWED * size => deepest,
             _ => (least, kernel.secondary().nodes()[index] as usize),
@@ -159,14 +166,19 @@ impl Model {
 
     /// Gap and node of the deepest hull point behind an obstacle, if the whole hull lies behind it within a fraction of `size`, and that
     /// point is deeper than this fraction; otherwise `None`.
-    fn behind(&self, body: usize, shape: &Obstacle, translation: [f64; 3], size: f64) -> Option<(f64, usize)> {
+    fn behind(
+        &self,
+        body: usize,
+        shape: &Obstacle,
+        placed: &dyn Fn(Box<dyn ContactKernel>) -> Box<dyn ContactKernel>,
+        size: f64,
+    ) -> Option<(f64, usize)> {
         let (mesh, dimension) = (&self.bodies[body].mesh, self.dimension());
         let reference: Vec<f64> = self.start(body).iter().flat_map(|point| &point[..dimension]).copied().collect();
-        let mut hull: Box<dyn ContactKernel> = match shape {
+        let hull = placed(match shape {
             Obstacle::InSpace(shape) => Box::new(RigidInSpace::new(self.faces_of(&mesh.hull(), body), shape, &reference)),
             _ => Box::new(RigidContact::new(&mesh.outline(), shape, &reference)),
-        };
-        hull.move_obstacle(&[translation; 3]);
+        });
         let (mut deepest, mut highest) = ((0.0, 0), f64::NEG_INFINITY);
         for (gap, index) in covered_gaps(&*hull, &reference) {
             highest = highest.max(gap);

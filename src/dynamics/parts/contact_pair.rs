@@ -10,12 +10,11 @@ use super::force_shares::ForceShares;
 use super::friction_rows::FrictionRows;
 use super::joint_reaction::JointReaction;
 use super::laws::{Bilateral, Equation, Penalty, Reaction, RowLaw, Unilateral};
-use super::time_values::value_of;
+use super::obstacle_velocity::ObstacleVelocity;
 use crate::contact::{ContactKernel, Coulomb, Evaluation, Patches};
 use crate::dynamics::model::amplitude::Amplitude;
-use crate::dynamics::model::interactions::{Coefficient, Friction, Interaction};
+use crate::dynamics::model::interactions::{Coefficient, Friction, Interaction, ObstacleRotation};
 use crate::dynamics::model::joints::Coordinate;
-use crate::dynamics::model::step_error::StepError;
 use crate::dynamics::model::update_rules::{ActiveConstraints, GAP, UpdateRule};
 use crate::linear::{Block, Pattern};
 use crate::math::tolerances;
@@ -83,8 +82,8 @@ pub struct ContactPair {
     pub corners: Option<CornersOf>,
     /// Translation of the obstacle over time.
     pub motion: [Option<Amplitude>; 3],
-    /// Angle of rotation of the obstacle over time.
-    pub turn: Option<Amplitude>,
+    /// Rotation of the obstacle over time.
+    pub turn: Option<ObstacleRotation>,
     /// Prescribed coordinate of a joint over time.
     pub drive: Option<(Coordinate, Amplitude)>,
     /// Indices of the two joints that a gear couples.
@@ -92,7 +91,7 @@ pub struct ContactPair {
     /// Limit of a joint's friction.
     pub reaction: Option<JointReaction>,
     /// Mean velocity of the obstacle in this step.
-    pub obstacle_velocity: [f64; 3],
+    pub obstacle_velocity: ObstacleVelocity,
     /// Constraint functions.
     pub kernel: Box<dyn ContactKernel>,
     /// Law of the normal constraints.
@@ -180,7 +179,7 @@ impl ContactPair {
             drive: None,
             geared: None,
             reaction: None,
-            obstacle_velocity: [0.0; 3],
+            obstacle_velocity: ObstacleVelocity::default(),
             update: &GAP,
             restitution: None,
             augmentation: None,
@@ -233,11 +232,6 @@ impl ContactPair {
         self.penalties.get(row - self.rows.start).copied()
     }
 
-    /// A component of the mean velocity of the obstacle in this step.
-    pub fn obstacle_velocity_along(&self, component: usize) -> f64 {
-        self.obstacle_velocity[component]
-    }
-
     /// True for contacts with friction, whose forces enter only their own step with every time integrator.
     pub fn forces_stay_in_step(&self) -> bool {
         self.friction.is_some()
@@ -256,54 +250,6 @@ impl ContactPair {
     /// True if inactive nodes may penetrate the other side within a step.
     pub fn may_penetrate(&self) -> bool {
         self.update.holds == ActiveConstraints::AsItIs && self.is_unilateral()
-    }
-
-    /// Sets the positions of a rigid obstacle, or the coordinate of a drive, for a step of size `dt` from `time`.
-    ///
-    /// # Errors
-    /// A time function of the motion failed, or the prescribed angle of the step is too large.
-    pub fn move_obstacle(&mut self, time: f64, dt: f64) -> Result<(), StepError> {
-        if let Some((coordinate, function)) = &self.drive {
-            let [start, end] = [value_of(&self.name, function, time)?, value_of(&self.name, function, time + dt)?];
-            let angle = (end - start).abs();
-            if *coordinate == Coordinate::Angle && angle > tolerances::EIGHTH_TURN {
-                return Err(StepError::TurnsFar { boundary: self.name.clone(), time, dt, angle });
-            }
-            self.kernel.drive([start, end]);
-        }
-        if self.kind != PairKind::Obstacle {
-            return Ok(());
-        }
-        let at = |time: f64| Ok([self.at(&self.motion[0], time)?, self.at(&self.motion[1], time)?, self.at(&self.motion[2], time)?]);
-        let translations = [at(time)?, at(time + 0.5 * dt)?, at(time + dt)?];
-        let [start, _, end] = translations;
-        self.obstacle_velocity = std::array::from_fn(|i| if dt > 0.0 { (end[i] - start[i]) / dt } else { 0.0 });
-        self.kernel.move_obstacle(&translations);
-        self.carry(time, time + dt)
-    }
-
-    /// Moves the points of a rigid obstacle to which nodes stick, by the obstacle's motion between two times.
-    ///
-    /// # Errors
-    /// A time function of the motion failed.
-    pub fn carry(&mut self, from: f64, to: f64) -> Result<(), StepError> {
-        if self.kind != PairKind::Obstacle || self.friction.is_none() {
-            return Ok(());
-        }
-        let by = |function: &Option<Amplitude>| Ok(self.at(function, to)? - self.at(function, from)?);
-        let (shift, angle) = ([by(&self.motion[0])?, by(&self.motion[1])?, by(&self.motion[2])?], by(&self.turn)?);
-        self.kernel.carry(shift, angle);
-        Ok(())
-    }
-
-    /// True if a moving rigid obstacle moves sticking nodes with it.
-    pub fn carries(&self) -> bool {
-        self.friction.is_some() && (self.motion.iter().any(Option::is_some) || self.turn.is_some())
-    }
-
-    /// A component of the obstacle's motion.
-    fn at(&self, function: &Option<Amplitude>, time: f64) -> Result<f64, StepError> {
-        function.as_ref().map_or(Ok(0.0), |function| value_of(&self.name, function, time))
     }
 
     /// First index and contact elements of the normal constraints, and of the tangential ones.

@@ -28,6 +28,8 @@ pub mod loads;
 pub mod motor;
 pub mod nodal;
 pub mod nodes;
+pub mod obstacle_motion;
+pub mod obstacle_velocity;
 pub mod pairing;
 pub mod point_mass;
 pub mod rigid_bodies;

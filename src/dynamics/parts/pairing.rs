@@ -10,7 +10,7 @@ use crate::contact::{
 };
 use crate::dynamics::model::boundaries::{boundary_faces, boundary_facets, facets_of_all, tie_reach, tied_in_space};
 use crate::dynamics::model::definitions::Model;
-use crate::dynamics::model::interactions::{BodyBoundary, Enforcement, Interaction, Partner};
+use crate::dynamics::model::interactions::{BodyBoundary, Enforcement, Interaction, ObstacleRotation, Partner};
 use crate::dynamics::model::update_rules::UpdateRule;
 use crate::math::norms::largest_size;
 use crate::math::tolerances;
@@ -104,6 +104,11 @@ impl Pairing<'_> {
         far.pair(name, PairKind::Obstacle, body, kernel)
     }
 
+    /// Contact with an obstacle that turns about an axis, from the contact with the obstacle at rest.
+    fn turning(&self, turn: &Option<ObstacleRotation>, kernel: Box<dyn ContactKernel>) -> Box<dyn ContactKernel> {
+        ObstacleRotation::turning(turn.as_ref(), kernel, self.reference)
+    }
+
     /// One pair per contact of the model, in the order of [`Model::contact_names`].
     fn contacts(&self) -> Vec<ContactPair> {
         self.model.interactions.iter().map(|interaction| self.pair_of(interaction)).collect()
@@ -123,7 +128,8 @@ impl Pairing<'_> {
         if let Partner::Obstacle { shape: Obstacle::InSpace(shape), motion, turn } = partner {
             let seen = self.in_space(interaction);
             let kernel = RigidInSpace::of_curve(&seen, shape).without(seen.belongs_to(&self.round.nodes_inside(interaction)));
-            let mut pair = self.obstacle_pair(name, shape, secondary.body, seen.on_nodes(Box::new(kernel), true));
+            let kernel = self.turning(turn, seen.on_nodes(Box::new(kernel), true));
+            let mut pair = self.obstacle_pair(name, shape, secondary.body, kernel);
             (pair.motion, pair.turn) = (motion.clone(), turn.clone());
             let mut pair = self.held(pair, interaction, false);
             if matches!(shape, ObstacleInSpace::Facets(_)) && pair.has_multipliers() {
@@ -166,7 +172,7 @@ impl Pairing<'_> {
                     Some(lengths) => kernel.with_weights(lengths),
                     None => kernel,
                 };
-                let mut pair = self.pair(name, PairKind::Obstacle, secondary.body, Box::new(kernel));
+                let mut pair = self.pair(name, PairKind::Obstacle, secondary.body, self.turning(turn, Box::new(kernel)));
                 (pair.motion, pair.turn) = (motion.clone(), turn.clone());
                 pair
             }
@@ -228,6 +234,7 @@ impl Pairing<'_> {
         let first = (self.first)(body) as u32;
         let shares_of = |point| frame.masters.iter().map(|node| node + first).zip(frame.shares(point)).collect();
         let kernel = rolling_contact(self.round.surface(&interaction.secondary), parts, shape, &shares_of, self.reference);
+        let kernel = self.turning(turn, kernel);
         let mut pair = match shape {
             Obstacle::InSpace(shape) => self.obstacle_pair(&interaction.name, shape, body, kernel),
             _ => self.pair(&interaction.name, PairKind::Obstacle, body, kernel),
@@ -256,13 +263,15 @@ impl Pairing<'_> {
             if self.round.bodies(interaction).is_some() {
                 continue;
             }
-            if let Partner::Obstacle { shape: Obstacle::InSpace(shape), .. } = &interaction.partner {
+            if let Partner::Obstacle { shape: Obstacle::InSpace(shape), turn, .. } = &interaction.partner {
                 let seen = self.in_space(interaction);
                 if let Some(kernel) = RigidCorners::in_space(&seen.secondary, shape, &seen.reference, size(of)) {
-                    add(of, PairKind::Obstacle, interaction.secondary.body, SLACK_IN_SPACE, seen.on_nodes(Box::new(kernel), false));
+                    let kernel = self.turning(turn, seen.on_nodes(Box::new(kernel), false));
+                    add(of, PairKind::Obstacle, interaction.secondary.body, SLACK_IN_SPACE, kernel);
                 }
                 if let Some(kernel) = RoundInSpace::new(&seen.secondary, shape, &seen.reference, size(of)) {
-                    add(of, PairKind::Obstacle, interaction.secondary.body, SLACK_IN_SPACE, seen.on_nodes(Box::new(kernel), false));
+                    let kernel = self.turning(turn, seen.on_nodes(Box::new(kernel), false));
+                    add(of, PairKind::Obstacle, interaction.secondary.body, SLACK_IN_SPACE, kernel);
                 }
                 continue;
             }
@@ -276,12 +285,13 @@ impl Pairing<'_> {
                 }
                 continue;
             }
-            if let Partner::Obstacle { shape, .. } = &interaction.partner {
+            if let Partner::Obstacle { shape, turn, .. } = &interaction.partner {
                 let facets = (self.facets)(&interaction.secondary);
                 let seen = self.middles.seen([&facets, &[]], self.reference, RowsOf::Facets);
                 if let Some(kernel) = RigidCorners::new(&seen.secondary, shape, &seen.reference, size(of)) {
                     let slack = RigidCorners::slack(shape, size(of));
-                    add(of, PairKind::Obstacle, interaction.secondary.body, slack, seen.on_nodes(Box::new(kernel)));
+                    let kernel = self.turning(turn, seen.on_nodes(Box::new(kernel)));
+                    add(of, PairKind::Obstacle, interaction.secondary.body, slack, kernel);
                 }
             }
             let exact = exact_shapes(interaction);

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::contact::Obstacle;
+use crate::contact::{Obstacle, ObstaclePlacement};
 use crate::dynamics::model::joints::Coordinate;
 use crate::mesh::Mesh;
 
@@ -148,8 +148,8 @@ pub struct PlacedObstacle {
     pub name: String,
     /// Shape of the obstacle at its initial place.
     pub shape: Obstacle,
-    /// Translation of the obstacle `[length]`.
-    pub translation: [f64; 3],
+    /// Rotation and translation of the obstacle.
+    pub place: ObstaclePlacement,
 }
 
 /// Force and moment of a joint on its second body.

@@ -72,10 +72,10 @@ where
     }
 
     /// Ratios of tangential to normal impulses in a velocity jump: as in this step or, for a constraint that has opened, as in the previous
-    /// step. Rotating obstacles and joints have none.
+    /// step. Obstacles that turn about their own axis, and joints, have none.
     fn ratios(&self, solution: &Solution) -> Vec<f64> {
         let mut ratios = vec![0.0; self.system.multipliers];
-        for pair in self.system.pairs.iter().filter(|pair| pair.turn.is_none() && pair.reaction.is_none()) {
+        for pair in self.system.pairs.iter().filter(|pair| !pair.spins_in_place() && pair.reaction.is_none()) {
             for (row, pressing) in pair.tangential() {
                 let lambda = if solution.active[pressing].is_closed() { &solution.at.lambda } else { &self.state.lambda };
                 if lambda[pressing] > 0.0 {
@@ -132,7 +132,7 @@ where
     /// # Errors
     /// Closed constraints depend on one another, or the run was interrupted.
     fn close(&mut self, end: &mut Ending, jump: &mut VelocityCorrection) -> Result<(), Failure> {
-        let rates = self.system.rates(end.rows(), &end.v);
+        let rates = self.system.rates(end.rows(), &end.solution.at.q_1, &end.v);
         let target: Vec<f64> = rates.iter().zip(end.ours).map(|(rate, ours)| if *ours { -rate } else { 0.0 }).collect();
         let push = self.push(end, 0.0, &vec![0.0; rates.len()], &target)?;
         let slopes = self.slopes(end, &push);

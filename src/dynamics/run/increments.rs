@@ -98,8 +98,9 @@ where
     }
 
     /// True if an obstacle or a prescribed rotation moves farther between two times than one increment allows.
-    fn goes_far(&mut self, from: f64, to: f64) -> Result<bool, StepError> {
-        Ok(self.system.equations.obstacle_motion(from, to)? > PASSING || self.system.supports.turned(from, to)?.0 > EIGHTH_TURN)
+    fn goes_far(&self, from: f64, to: f64) -> Result<bool, StepError> {
+        Ok(self.system.equations.obstacle_motion(from, to, &self.state.positions)? > PASSING
+            || self.system.supports.turned(from, to)?.0 > EIGHTH_TURN)
     }
 
     fn settle_in_increments(&mut self, from: f64, end: f64) -> Result<SettleReport, StepError> {

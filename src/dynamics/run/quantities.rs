@@ -189,10 +189,10 @@ where
         for interaction in &self.model.interactions {
             let Partner::Obstacle { shape, .. } = &interaction.partner else { continue };
             let pair = self.system.pairs.iter().find(|pair| pair.kind == PairKind::Obstacle && pair.name == interaction.name);
-            let translation = pair.map_or([0.0; 3], |pair| pair.kernel.obstacle_translation());
-            match placed.iter_mut().find(|other| other.shape == *shape && other.translation == translation) {
+            let place = pair.map_or_else(Default::default, |pair| pair.kernel.obstacle_placement());
+            match placed.iter_mut().find(|other| other.shape == *shape && other.place == place) {
                 Some(same) => same.name = format!("{}, {}", same.name, interaction.name),
-                None => placed.push(PlacedObstacle { name: interaction.name.clone(), shape: shape.clone(), translation }),
+                None => placed.push(PlacedObstacle { name: interaction.name.clone(), shape: shape.clone(), place }),
             }
         }
         placed

@@ -113,7 +113,7 @@ where
             let (pair, local) = self.place(row);
             pushes[row] = (jump.reserve[row] / self.system.pairs[pair].kernel.weights()[local]).sqrt();
         }
-        let rates = self.system.rates(end.rows(), &end.v);
+        let rates = self.system.rates(end.rows(), &end.solution.at.q_1, &end.v);
         let parting: f64 = pushes.iter().zip(rates).map(|(push, rate)| push * rate).sum();
         if way == Way::Parting && parting <= 0.0 {
             return Ok(false);

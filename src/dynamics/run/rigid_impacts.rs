@@ -71,7 +71,7 @@ where
         let v = self.corrected_velocities(motion, solution, jump.as_ref());
         let slips = self.system.slips_at_rest(&solution.at.q_1, &solution.at.pairs);
         let evaluated = [&solution.at.pairs[..], &slips[..]];
-        let rates = self.system.rates(evaluated, &v);
+        let rates = self.system.rates(evaluated, &solution.at.q_1, &v);
         let Some(touches) = self.touches(motion, solution, conditions, &rates) else { return Ok(jump) };
         let contacts = self.impact_contacts(motion, solution, &touches, &rates);
         let rows: Vec<usize> = touches.iter().flat_map(|touch| self.rows_of(touch)).collect();
@@ -115,7 +115,7 @@ where
                 let approaches = rates[row] < -slow;
                 if was_closed && acts && approaches {
                     let evaluated = [&solution.at.pairs[..], &solution.at.slips[..]];
-                    let before = before.get_or_insert_with(|| self.system.rates(evaluated, motion.v_0));
+                    let before = before.get_or_insert_with(|| self.system.rates(evaluated, &solution.at.q_1, motion.v_0));
                     was_closed = before[row] <= slow;
                 }
                 is_impact |= approaches || (acts && !was_closed);

@@ -179,7 +179,7 @@ where
     pub fn push(&mut self, end: &Ending, beta: f64, lambda: &[f64], rate: &[f64]) -> Result<ImpulseResponse, Failure> {
         let cause = Cause { rows: end.rows(), lambda, hold: end.hold, rate, ratios: end.ratios };
         let push = self.system.push(&end.solution.at, beta, &cause).map(|mut push| {
-            let rates = self.system.rates(end.rows(), &end.v);
+            let rates = self.system.rates(end.rows(), &end.solution.at.q_1, &end.v);
             self.system.add_driven(&end.solution.at, &rates, &mut push);
             push
         });
@@ -193,7 +193,8 @@ where
         let mut friction = vec![[0.0; 2]; push.lambda.len()];
         if end.ratios.iter().any(|ratio| *ratio != 0.0) {
             let after: Vec<f64> = end.v.iter().zip(&push.velocity).map(|(v, w)| v + w).collect();
-            let (before, after) = (self.system.rates(end.rows(), &end.v), self.system.rates(end.rows(), &after));
+            let (before, after) =
+                (self.system.rates(end.rows(), &end.solution.at.q_1, &end.v), self.system.rates(end.rows(), &end.solution.at.q_1, &after));
             for row in self.system.pressing..push.lambda.len() {
                 let lambda = push.lambda[row];
                 friction[row] = [0.5 * lambda * (after[row] - before[row]), lambda * before[row]];

@@ -98,11 +98,11 @@ impl<const D: usize> Equations<D> {
         self.pairs.iter().zip(pairs).zip(slips).flat_map(|((pair, pressing), slip)| pair.blocks([pressing, slip]))
     }
 
-    /// Rates `G_A v` of all normal and tangential constraints, relative to moving obstacles.
-    pub fn rates(&self, rows: [&[Evaluation]; 2], v: &[f64]) -> Vec<f64> {
+    /// Rates `G_A v` of all normal and tangential constraints at the positions `q_1`, relative to moving obstacles.
+    pub fn rates(&self, rows: [&[Evaluation]; 2], q_1: &[f64], v: &[f64]) -> Vec<f64> {
         let mut rates = vec![0.0; self.multipliers];
         self.for_each_end_gradient(rows, |pair, row, k, gradient| {
-            rates[row] += gradient * (v[k] - pair.obstacle_velocity_along(k % D));
+            rates[row] += gradient * (v[k] - pair.obstacle_velocity.along::<D>(k, q_1));
         });
         rates
     }

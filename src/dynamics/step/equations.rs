@@ -275,18 +275,17 @@ impl<const D: usize> Equations<D> {
         self.pairs.iter_mut().try_for_each(|pair| pair.carry(from, to))
     }
 
-    /// Largest translation of an obstacle between two times, relative to the shortest facet of its contact partner.
+    /// Largest displacement of an obstacle between two times at its contact partner at the positions `q`, relative to the shortest facet of
+    /// that partner.
     ///
     /// # Errors
     /// A time function failed.
-    pub fn obstacle_motion(&mut self, from: f64, to: f64) -> Result<f64, StepError> {
-        let mut at = |time: f64| -> Result<Vec<[f64; 3]>, StepError> {
-            self.move_obstacles(time, 0.0)?;
-            Ok(self.pairs.iter().map(|pair| pair.kernel.obstacle_translation()).collect())
-        };
-        let (begins, ends) = (at(from)?, at(to)?);
-        let moved = begins.iter().zip(&ends).map(|(a, b)| (b[0] - a[0]).hypot(b[1] - a[1]).hypot(b[2] - a[2]));
-        Ok(moved.zip(&self.pairs).map(|(moved, pair)| moved / pair.kernel.facet_size()).fold(0.0, f64::max))
+    pub fn obstacle_motion(&self, from: f64, to: f64, q: &[f64]) -> Result<f64, StepError> {
+        let mut largest = 0.0f64;
+        for pair in &self.pairs {
+            largest = largest.max(pair.obstacle_travel(from, to, q)? / pair.kernel.facet_size());
+        }
+        Ok(largest)
     }
 
     /// Finds the places of all contributions in a new pattern.

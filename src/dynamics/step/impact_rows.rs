@@ -109,7 +109,7 @@ where
         let mut velocity = self.velocity_by(responses, impulses)?;
         let mut lambda: Vec<f64> = velocity.split_off(at.q_1.len()).iter().map(|mu| mu / responses.scale).collect();
         rows.iter().zip(impulses).for_each(|(&row, impulse)| lambda[row] = *impulse);
-        let mut response = self.response(evaluated, &responses.matrix, velocity, lambda, &[]);
+        let mut response = self.response((evaluated, &at.q_1), &responses.matrix, velocity, lambda, &[]);
         self.add_driven(at, rates, &mut response);
         Ok(response)
     }

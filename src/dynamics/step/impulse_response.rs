@@ -81,7 +81,7 @@ where
         self.solve_with(&matrix.values, &mut right, Instant::now())?;
         let mu = right.split_off(unknowns);
         let lambda: Vec<f64> = lambda.iter().zip(&mu).map(|(lambda, mu)| lambda + mu / scale).collect();
-        Ok(self.response(evaluated, &matrix, right, lambda, &[]))
+        Ok(self.response((evaluated, &at.q_1), &matrix, right, lambda, &[]))
     }
 
     /// Matrix of velocity changes at the end of a step: masses, stiffness and the given constraints.
@@ -96,7 +96,7 @@ where
     /// Change of the velocities by constraint impulses, and by the forces `given` if any, including reactions of supports and obstacles.
     pub(super) fn response(
         &self,
-        evaluated: [&[Evaluation]; 2],
+        (evaluated, q_1): ([&[Evaluation]; 2], &[f64]),
         matrix: &EndMatrix,
         velocity: Vec<f64>,
         lambda: Vec<f64>,
@@ -110,7 +110,7 @@ where
             on_nodes[k] += f;
             if pair.kind == PairKind::Obstacle {
                 from_obstacles[k] += f;
-                work += f * pair.obstacle_velocity_along(k % D);
+                work += f * pair.obstacle_velocity.along::<D>(k, q_1);
             }
         });
         (push.impulse, push.work) = (from_obstacles, work);

@@ -53,7 +53,7 @@ where
         self.add_mass_and_stiffness(&at.u_1, 0.0, &mut values);
         let rows = ConstraintRows::held(hold);
         let matrix = self.end_matrix(evaluated, &rows, scale, values);
-        let rates = self.rates(evaluated, v);
+        let rates = self.rates(evaluated, &at.q_1, v);
         let mut lost: Vec<f64> = (0..hold.len()).map(|row| if hold[row] { -rates[row] } else { 0.0 }).collect();
         for pair in self.pairs.iter().filter(|pair| pair.drive.is_some()) {
             // Driven coordinates keep their rates.
@@ -68,7 +68,7 @@ where
         self.matrix.solver.solve(&matrix.values, &mut second).map_err(Failure::Linear)?;
         self.counters.times.solve += clock.elapsed();
         let lambda: Vec<f64> = second.split_off(unknowns).iter().map(|p| p / scale).collect();
-        let mut response = self.response(evaluated, &matrix, second, lambda, &force);
+        let mut response = self.response((evaluated, &at.q_1), &matrix, second, lambda, &force);
         self.add_driven(at, &rates, &mut response);
         let momenta = self.nodes.momenta_of(v);
         let round_off = tolerances::PUSH * sum_of_sizes(&momenta) + tolerances::FILTER * sum_of_sizes(&force);

@@ -2,7 +2,7 @@
 
 use super::scale::{BANDS, Scale};
 use super::*;
-use crate::contact::Obstacle;
+use crate::contact::{Obstacle, ObstaclePlacement};
 use crate::dynamics::{BodyFields, LocalFrame, PlacedObstacle};
 use crate::output::drawing::{png, svg};
 use crate::output::samples::{block, ring, well_formed};
@@ -153,9 +153,13 @@ fn a_block_in_space_shows_three_sides() {
     well_formed(&drawn(&[block([6, 2, 2], [3.0, 1.0, 1.0])], &options("von_mises")));
 }
 
+fn at(translation: [f64; 3]) -> ObstaclePlacement {
+    ObstaclePlacement { translation, ..ObstaclePlacement::default() }
+}
+
 #[test]
 fn obstacles_are_seen_with_their_names() {
-    let obstacle = |name: &str, shape| PlacedObstacle { name: name.into(), shape, translation: [0.0, -0.1, 0.0] };
+    let obstacle = |name: &str, shape| PlacedObstacle { name: name.into(), shape, place: at([0.0, -0.1, 0.0]) };
     let ground = obstacle("ground", Obstacle::HalfPlane { point: [0.0, -1.6], normal: [0.0, 1.0] });
     let seal = obstacle("groove <seal>", Obstacle::Polyline { points: vec![[-3.0, 0.0], [-2.0, 0.0], [-2.0, 1.0]] });
     let bodies = [ring("ring", [1.0, 1.5], [3, 20])];
@@ -163,12 +167,12 @@ fn obstacles_are_seen_with_their_names() {
     well_formed(&text);
     assert!(text.contains("<title>ground</title>") && text.contains("<title>groove &lt;seal&gt;</title>"));
     // A moved obstacle is drawn at another place.
-    let moved = PlacedObstacle { translation: [0.0, -0.4, 0.0], ..ground.clone() };
+    let moved = PlacedObstacle { place: at([0.0, -0.4, 0.0]), ..ground.clone() };
     let wall = |obstacle: PlacedObstacle| svg(&picture(&bodies, &[obstacle], &options("von_mises"))).len();
     assert!(wall(ground.clone()) > drawn(&bodies, &options("von_mises")).len());
     assert_ne!(picture(&bodies, &[moved], &options("von_mises")), picture(&bodies, std::slice::from_ref(&ground), &options("von_mises")));
     // Far below, the obstacle is not part of the picture: the bodies are drawn at unchanged size.
-    let far = PlacedObstacle { translation: [0.0, -1e6, 0.0], ..ground };
+    let far = PlacedObstacle { place: at([0.0, -1e6, 0.0]), ..ground };
     let size = |text: &str| text.lines().next().unwrap().to_string();
     let text = svg(&picture(&bodies, &[far], &options("von_mises")));
     assert_eq!(size(&text), size(&drawn(&bodies, &options("von_mises"))));

@@ -9,10 +9,10 @@ use std::sync::Arc;
 
 use super::units::Units;
 use crate::bodies::Inertia;
-use crate::contact::{Obstacle, ObstacleInSpace};
+use crate::contact::{Obstacle, ObstacleInSpace, TurningAxis};
 use crate::dynamics::{
     Amplitude, AxisRotation, Change, Coefficient, Coordinate, CouplingKind, Friction, JointDefinition, JointKind, LedgerRow, LoadKind,
-    Model, Partner, PlaceFunction, Prescription, Rescaled, Sector, Support, TimeFunction, TimeFunctionError,
+    Model, ObstacleRotation, Partner, PlaceFunction, Prescription, Rescaled, Sector, Support, TimeFunction, TimeFunctionError,
 };
 use crate::materials::Material;
 use crate::math::tolerances::QUARTER_TURN;
@@ -185,7 +185,7 @@ impl Motion {
                 Partner::Surfaces(_) | Partner::Itself => {}
                 Partner::Obstacle { shape, motion, turn } => {
                     *shape = self.obstacle(shape);
-                    *turn = turn.as_ref().map(|turn| self.amplitude(turn, 1.0));
+                    *turn = turn.as_ref().map(|turn| self.turn(turn));
                     *motion = self.along(motion.each_ref());
                 }
                 Partner::Tied { reach, .. } => *reach = reach.map(|reach| units.length * reach),
@@ -203,6 +203,11 @@ impl Motion {
         };
         moved.parts = model.parts.iter().map(|part| part.changed(&change)).collect();
         Ok(moved)
+    }
+
+    fn turn(&self, ObstacleRotation { angle, about }: &ObstacleRotation) -> ObstacleRotation {
+        let axis = |axis: &TurningAxis| TurningAxis::new(self.point(axis.center), self.vector(axis.direction, 1.0));
+        ObstacleRotation { angle: self.amplitude(angle, 1.0), about: about.as_ref().map(axis) }
     }
 
     fn join(&self, joint: &mut JointDefinition, dimension: usize) {

@@ -4,15 +4,17 @@
 //! reported when the script makes a simulation, before time is spent; a name whose `param` was never reached is an error at the end.
 
 use std::cell::RefCell;
+use std::collections::BTreeMap;
 
 use rhai::{Dynamic, Engine};
 
+use crate::script::api::files::results::unit_of;
 use crate::script::language::arguments::Arguments;
 use crate::script::language::causes;
 use crate::script::language::failure::Failure;
 use crate::script::language::function::{Form, Function, Topic, body};
 use crate::script::language::host::Host;
-use crate::script::language::parameter::{Kind, Parameter};
+use crate::script::language::parameter::{Absent, Kind, Parameter};
 use crate::script::language::scan;
 use crate::script::language::sources::Place;
 use crate::script::language::values::{as_number, describe};
@@ -118,6 +120,23 @@ impl Overrides {
     }
 }
 
+/// Units of the parameters for which `param` was given one.
+#[derive(Default)]
+pub struct ParameterUnits(RefCell<BTreeMap<String, String>>);
+
+impl ParameterUnits {
+    /// Returns the units of the parameters that have one, by name.
+    pub fn of(host: &Host) -> BTreeMap<String, String> {
+        host.slots.get::<ParameterUnits>().0.borrow().clone()
+    }
+
+    fn note(&self, name: &str, unit: String) {
+        if !unit.is_empty() {
+            self.0.borrow_mut().insert(name.to_string(), unit);
+        }
+    }
+}
+
 /// Refuses values of `--set` that the script has not read: at the end of the script all, before only those without any `param`.
 ///
 /// # Errors
@@ -192,10 +211,17 @@ pub fn functions() -> Vec<Function> {
         parameters: vec![
             Parameter::new("name", Kind::Text, "the parameter's name"),
             Parameter::new("default", Kind::Any, "its value when the command line gives none: a number, `true` or `false`, or a string"),
+            Parameter::new(
+                "unit",
+                Kind::Text,
+                "its unit, such as `\"N/mm\"`, or its dimension, such as `\"force / length\"`, whose unit is that of `units`: reports, and tables \
+                 and pages of studies name it",
+            )
+            .or(Absent::Means("no unit is named")),
         ],
         returns: "any",
-        example: "let dt = param(\"dt\", 0.005);".into(),
-        see_also: &[],
+        example: "let dt = param(\"dt\", 0.005);\nlet stiffness = param(\"stiffness\", 200.0, \"N/mm\");".into(),
+        see_also: &["result", "units"],
         body: body(|call| {
             let (name, default) = (call.name("name")?, call.argument("default"));
             let value = default.value();
@@ -207,6 +233,7 @@ pub fn functions() -> Vec<Function> {
                     .hint("give the value that the parameter has without `--set`")
                     .into());
             }
+            call.host.slots.get::<ParameterUnits>().note(&name, unit_of(call)?);
             Ok(call.host.slots.get::<Overrides>().value(&name, value)?)
         }),
     }]

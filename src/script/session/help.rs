@@ -7,7 +7,7 @@ use rhai::Dynamic;
 use super::pages::PAGES;
 use super::ranking::{is_meant, ranked};
 use super::reference::{Entry, Reference, TOPICS};
-use super::synonyms::meant;
+use super::synonyms::{meant, missing};
 use crate::script::language::arguments::Arguments;
 use crate::script::language::function::{Form, Function, Topic, body};
 use crate::script::language::parameter::{Absent, Kind, Parameter};
@@ -33,6 +33,9 @@ pub fn help(registry: &Registry, name: &str) -> String {
         Err(suggestion) => suggestion.unwrap_or_else(|| "`help()` lists the topics".into()),
     };
     let refusal = format!("there is no function, topic or type `{name}`");
+    if let Some(sentence) = missing(name) {
+        return format!("{refusal}; {sentence}");
+    }
     let found = ranked(&reference, name);
     let listed = |entries: &[Entry]| entries.iter().take(MENTIONS).map(|entry| format!("\n  {}", entry.line())).collect::<String>();
     match found.as_slice() {
@@ -46,13 +49,13 @@ pub fn help(registry: &Registry, name: &str) -> String {
     }
 }
 
-/// Text of the entries of a name. If they only read values and the name is a term of the field, the best match of a search follows.
+/// Text of the entries of a name. If they only read values and the name is a term of the field, the best match of a search comes first.
 fn found_text(reference: &Reference, name: &str, entries: &[Entry]) -> String {
     let text = entries.iter().map(Entry::text).collect::<Vec<_>>().join("\n\n");
     let reads = |entry: &Entry| matches!(entry, Entry::Function(function) if function.reads());
     let first = ranked(reference, name).into_iter().next().filter(|first| !reads(first));
     match first.filter(|_| entries.iter().all(reads) && !meant(name).is_empty()) {
-        Some(first) => format!("{text}\n\nit is part of\n\n{}", first.text()),
+        Some(first) => format!("{}\n\n`{name}` is a value, too\n\n{text}", first.text()),
         None => text,
     }
 }

@@ -21,7 +21,7 @@ use crate::script::api::files::failures::output_failure;
 use crate::script::api::files::results::Results;
 use crate::script::api::files::run_folder::RunFolder;
 use crate::script::api::models::change::warn_of_unseen_changes;
-use crate::script::api::parameters::{Overrides, check_overrides};
+use crate::script::api::parameters::{Overrides, ParameterUnits, check_overrides};
 use crate::script::api::simulations::ending;
 use crate::script::api::simulations::handle::{SimulationHandle, Simulations};
 use crate::script::api::simulations::journal::Journal;
@@ -158,6 +158,11 @@ impl Session {
     /// Returns the units of the results that have one, by name.
     pub fn result_units(&self) -> std::collections::BTreeMap<String, String> {
         Results::units(&self.host)
+    }
+
+    /// Returns the units of the parameters that have one, by name.
+    pub fn parameter_units(&self) -> std::collections::BTreeMap<String, String> {
+        ParameterUnits::of(&self.host)
     }
 
     /// Begins with the results of an earlier process for the first computations of the script.

@@ -34,8 +34,63 @@ const SYNONYMS: &[(&[&str], &[&str])] = &[
     (&["tabular", "time series", "load curve"], &["table", "ramp"]),
     (&["parametric", "design of experiments", "doe"], &["sweep", "param"]),
     (&["unit system", "consistent units", "millimeter", "gigapascal"], &["units", "quantity"]),
+    (&["preload", "pretension", "clamping force"], &["add_bolt", "add_joint"]),
+    (&["backlash", "free play"], &["add_joint", "add_gear"]),
+    (&["stroke", "piston"], &["add_actuator", "add_joint"]),
+    (&["controller", "feedback", "pid"], &["on_step", "add_actuator", "add_motor"]),
+    (&["drop test", "bounce", "impact", "collision"], &["add_contact", "initial_velocity"]),
+    (
+        &["conveyor", "turntable", "paddle", "blade", "cam follower", "moving wall"],
+        &["rigid_plane", "rigid_polyline", "rigid_disk", "rigid_box"],
+    ),
+    (&["stress concentration", "notch", "safety factor", "hot spot"], &["extremes", "probe"]),
+    (&["linearized stress", "stress classification", "membrane stress"], &["along"]),
+    (&["hertz", "contact pressure", "contact area"], &["contact"]),
+    (&["journal bearing", "bearing clearance"], &["add_contact", "add_joint"]),
     (&["optimization", "optimisation", "calibration", "identification"], &["minimize", "fit"]),
 ];
+
+/// Words for which the language has no function, each with what stands for it.
+const MISSING: &[(&[&str], &str)] = &[
+    (
+        &["cohesive", "crack", "fracture", "damage", "delamination", "debonding"],
+        "no law breaks: bodies and bonds have no damage, and `tie` holds for good (docs/limits.md)",
+    ),
+    (&["fatigue", "rainflow", "s-n curve"], "there is no law of fatigue: `sim.probe` records the stresses at a point for one outside"),
+    (
+        &["wear", "archard"],
+        "surfaces do not wear: `friction_work` of the history is the work from which a law of wear outside of a run follows",
+    ),
+    (
+        &["lubrication", "oil film", "hydrodynamic", "reynolds equation"],
+        "contacts are dry: `add_bushing` or `add_damper` stand for a film with a given stiffness and damping",
+    ),
+    (
+        &["roughness", "asperit"],
+        "surfaces are as smooth as their mesh: `penalty` in `add_contact` makes a contact compliant, `rough()` lets nothing slip",
+    ),
+    (
+        &["adhesion", "van der waals"],
+        "contacts press only: `equality: true` in `add_contact` admits tension, `tie` holds surfaces together",
+    ),
+    (&["mass scaling"], "masses are never changed: implicit steps need no scaling, and `central_differences()` tells its stable step"),
+    (&["hourglass", "reduced integration"], "all cells are fully integrated: there is no hourglass mode to control"),
+    (
+        &["submodel", "global-local"],
+        "there are no submodels: `prescribe` moves the boundary of a finer model as a closure or a `table` of a coarser one says",
+    ),
+    (&["heat transfer", "temperature", "thermomechanical"], "there are no temperatures: `grow` expands a body by a factor over time"),
+    (
+        &["beam element", "shell element", "truss", "membrane element"],
+        "there are solids only: cells of second order bend well; see docs/limits.md",
+    ),
+];
+
+/// Returns what stands for a term of the field that the language does not have.
+pub fn missing(text: &str) -> Option<&'static str> {
+    let text = text.to_lowercase();
+    MISSING.iter().find(|(words, _)| words.iter().any(|word| text.contains(word))).map(|(_, sentence)| *sentence)
+}
 
 /// Returns the known terms in a text, each with the corresponding names.
 pub fn meant(text: &str) -> Vec<(&'static str, &'static [&'static str])> {
@@ -51,7 +106,7 @@ mod tests {
 
     use super::super::reference::Reference;
     use super::super::session::Session;
-    use super::SYNONYMS;
+    use super::{MISSING, SYNONYMS, missing};
     use crate::script::language::observer::Silent;
     use crate::script::language::settings::Settings;
 
@@ -64,5 +119,14 @@ mod tests {
                 assert!(reference.find(name).is_ok(), "{words:?}: {name}");
             }
         }
+        for (words, sentence) in MISSING {
+            // Functions stand with or without parentheses, or behind an object; options and columns are no entries.
+            let named = sentence.split('`').skip(1).step_by(2).filter(|code| !code.contains(':'));
+            for name in named.map(|code| code.trim_start_matches("sim.").trim_end_matches("()")) {
+                let is_else = ["friction_work", "penalty"].contains(&name);
+                assert!(is_else || reference.find(name).is_ok(), "{words:?}: {name}");
+            }
+        }
+        assert!(missing("Cohesive zone").is_some() && missing("friction").is_none());
     }
 }

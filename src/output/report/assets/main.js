@@ -1,5 +1,20 @@
 // The page: puts the parts together, plays, and listens.
 
+// Largest number of bodies with a color in the key.
+const NAMED_BODIES = 24;
+
+// The colors of the bodies, where they color the picture.
+function bodyKey(list, { bodies, colors }) {
+  const swatch = (k) => {
+    const [r, g, b] = colors[Math.min(255, Math.floor((256 * (k + 0.5)) / bodies.length))];
+    const box = element("i", { className: "swatch" });
+    box.style.background = `rgb(${r}, ${g}, ${b})`;
+    return box;
+  };
+  list.replaceChildren(...bodies.slice(0, NAMED_BODIES).map(({ name }, k) => element("li", {}, swatch(k), ` ${name}`)));
+  if (bodies.length > NAMED_BODIES) list.append(element("li", { textContent: `and ${bodies.length - NAMED_BODIES} more` }));
+}
+
 class Page {
   constructor(data, columns, bodies) {
     Object.assign(this, { data, columns, bodies });
@@ -41,6 +56,7 @@ class Page {
     this.state();
     this.warn();
     this.explain();
+    bodyKey($("body-key"), data);
     markKey($("marks-key"), data.marks);
     $("marks-label").hidden = !data.marks.length;
   }
@@ -200,12 +216,14 @@ class Page {
     // Kinds of which there are none are not worth a choice.
     this.data.fields.forEach(({ kinds, high }, k) => { $("field").options[k].hidden = kinds.length > 0 && !(high > 0); });
     const { kinds } = field, theme = themeNow();
-    const marks = field.name === "body" ? [this.bodies[0].name, "", this.bodies.length > 1 ? this.bodies[this.bodies.length - 1].name : ""] : kinds.length ? [`■ ${kinds[0]}`, "", `■ ${kinds[1]}`] : [range[0], 0.5 * (range[0] + range[1]), range[1]].map((value) => brief(value));
+    const isBody = field.name === "body";
+    const marks = isBody ? ["", "", ""] : kinds.length ? [`■ ${kinds[0]}`, "", `■ ${kinds[1]}`] : [range[0], 0.5 * (range[0] + range[1]), range[1]].map((value) => brief(value));
     ["scale-low", "scale-middle", "scale-high"].forEach((id, k) => {
       $(id).textContent = marks[k];
       $(id).style.color = kinds.length ? theme.kinds[k >> 1] : "";
     });
-    $("ramp").hidden = kinds.length > 0;
+    $("ramp").hidden = kinds.length > 0 || isBody;
+    $("body-key").hidden = !isBody;
     const hasArrows = $("arrows").checked && !$("arrows-label").hidden;
     $("arrow-key").textContent = hasArrows ? `→ contact pressure, longest of the run ${inUnit(brief(this.data.pressing), this.data, "fields", "contact_pressure")}` : "";
     const typed = $("factor").value.trim() === "" ? NaN : Number($("factor").value);

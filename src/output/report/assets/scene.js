@@ -1,6 +1,17 @@
 // The picture of the bodies. Cells are painted into an array of pixels, triangle by triangle, with the values between the nodes, in space
 // with a buffer of depths; lines and arrows are drawn over it.
 
+// The function that turns points by a rotation vector.
+function rotation(spin) {
+  const angle = Math.hypot(...spin);
+  if (angle === 0) return (p) => p;
+  const [a, b, c] = spin.map((x) => x / angle), cos = Math.cos(angle), sin = Math.sin(angle);
+  return ([x, y, z]) => {
+    const along = (1 - cos) * (a * x + b * y + c * z);
+    return [cos * x + sin * (b * z - c * y) + along * a, cos * y + sin * (c * x - a * z) + along * b, cos * z + sin * (a * y - b * x) + along * c];
+  };
+}
+
 class Scene {
   constructor(canvas, data, bodies, film) {
     Object.assign(this, { canvas, data, bodies, film });
@@ -238,10 +249,11 @@ class Scene {
     const x0 = width / 2 + this.shift[0] * zoom, y0 = height / 2 + this.shift[1] * zoom;
     const wall = parseInt(look.theme.wall.slice(1), 16);
     const colors = new Uint32Array(256), dot = (a, p) => a[0] * p[0] + a[1] * p[1] + a[2] * p[2];
-    for (const [number, by] of look.obstacles) {
+    for (const [number, by, spin] of look.obstacles) {
+      const turned = rotation(spin);
       const { points, triangles } = this.data.walls[number];
       const places = points.map((point) => {
-        const p = [0, 1, 2].map((d) => point[d] + by[d] - center[d]);
+        const there = turned(point), p = [0, 1, 2].map((d) => there[d] + by[d] - center[d]);
         return [x0 + zoom * dot(right, p), y0 - zoom * dot(up, p), zoom * dot(toward, p)];
       });
       for (const corners of triangles) {
@@ -382,9 +394,13 @@ class Scene {
   // Rigid obstacles of the plane where they are at this moment.
   walls(look) {
     const { context, fineness, data } = this;
-    for (const [number, [dx, dy]] of look.obstacles) {
+    for (const [number, [dx, dy], spin] of look.obstacles) {
+      const turned = rotation(spin);
       const { border, back, closed } = data.walls[number];
-      const moved = ([x, y]) => this.place([x + dx, y + dy]);
+      const moved = (point) => {
+        const [x, y] = turned([point[0], point[1], 0]);
+        return this.place([x + dx, y + dy]);
+      };
       const count = border.length - (closed ? 0 : 1);
       context.fillStyle = look.theme.wall;
       for (let k = 0; k < count; k += 1) {

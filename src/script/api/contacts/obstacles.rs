@@ -2,10 +2,10 @@
 
 use rhai::Dynamic;
 
-use crate::contact::{Obstacle, ObstacleInSpace};
-use crate::dynamics::Amplitude;
+use crate::contact::{Obstacle, ObstacleInSpace, TurningAxis};
+use crate::dynamics::{Amplitude, ObstacleRotation};
 use crate::math::catalogue::Interval;
-use crate::script::api::models::description::describe_obstacle;
+use crate::script::api::models::description::{describe_obstacle, without_unit};
 use crate::script::api::time_functions::amplitude_of;
 use crate::script::language::arguments::{Argument, Arguments, Options};
 use crate::script::language::causes;
@@ -22,8 +22,8 @@ pub struct ObstacleHandle {
     pub obstacle: Obstacle,
     /// Displacement over time for each direction.
     pub motion: [Option<Amplitude>; 3],
-    /// Rotation angle about the center over time.
-    pub turn: Option<Amplitude>,
+    /// Rotation over time.
+    pub turn: Option<ObstacleRotation>,
 }
 
 impl Handle for ObstacleHandle {
@@ -32,52 +32,136 @@ impl Handle for ObstacleHandle {
                                  `rigid_sphere`, `rigid_cylinder`, `rigid_cone`, `rigid_torus`, `rigid_box` or `rigid_surface`";
 
     fn describe(&self) -> String {
-        describe_obstacle(&self.obstacle, &self.motion, self.turn.as_ref())
+        describe_obstacle(&self.obstacle, &self.motion, self.turn.as_ref(), &without_unit)
     }
 }
 
-/// Possible motions of an obstacle.
+/// Shapes of obstacles, which differ in their motions.
 #[derive(Clone, Copy, PartialEq)]
 pub enum Moves {
-    /// Along x and y.
-    InPlane,
-    /// Along x and y, and rotating about its center.
+    /// A half plane, in space a plane.
+    Plane,
+    /// A disk or ring.
     Round,
-    /// Along x, y and z.
-    InSpace,
-    /// Along x, y and z, and rotating about its axis.
+    /// A polyline.
+    Polyline,
+    /// A body of revolution in space.
     AboutAxis,
-    /// Along x, y and z, and in space rotating about its normal.
-    AboutNormal,
+    /// A box.
+    Box,
+    /// A surface of facets.
+    Surface,
 }
 
 impl Moves {
     fn is_in_space(self) -> bool {
-        matches!(self, Moves::InSpace | Moves::AboutAxis | Moves::AboutNormal)
+        matches!(self, Moves::AboutAxis | Moves::Box | Moves::Surface)
+    }
+
+    /// Meanings of an angle, of a missing point and of a missing axis.
+    fn rotation(self) -> [&'static str; 3] {
+        match self {
+            Moves::Plane => [
+                "the angle by which it has turned over time: in the plane its border tilts about a point, counter-clockwise; in space it turns \
+                 about its normal through `point`, as a right-handed screw, which friction feels as on a turntable, or tilts about another axis",
+                "`point`",
+                "in space the normal",
+            ],
+            Moves::Round => [
+                "the angle by which it has turned over time, counter-clockwise: about its center, which friction feels, or about another \
+                 point, as a cam does",
+                "its center",
+                "",
+            ],
+            Moves::Polyline => ["the angle by which it has turned over time, counter-clockwise", "", ""],
+            Moves::AboutAxis => [
+                "the angle by which it has turned over time, as a right-handed screw: about its own axis, which friction feels, or about \
+                 another one",
+                "a point of its own axis",
+                "its own axis",
+            ],
+            Moves::Box => ["the angle by which it has turned over time, as a right-handed screw", "its middle", "the `axis` of the box"],
+            Moves::Surface => ["the angle by which it has turned over time, as a right-handed screw", "", "along z"],
+        }
     }
 }
 
 fn motion_parameter(moves: Moves) -> Parameter {
     let component = |name| Parameter::new(name, Kind::Amplitude, "the displacement in this direction over time").of("length");
-    let axes = if moves.is_in_space() { &["x", "y", "z"][..] } else { &["x", "y"] };
+    let [angle, point, axis] = moves.rotation();
+    let has_axis = !axis.is_empty();
+    let axes = if has_axis { &["x", "y", "z"][..] } else { &["x", "y"] };
     let mut components: Vec<Parameter> = axes.iter().map(|&name| component(name).or(Absent::Means("none"))).collect();
-    let about = match moves {
-        Moves::Round => Some("the angle by which it has turned about its center, counter-clockwise, over time: friction feels it"),
-        Moves::AboutAxis => Some("the angle by which it has turned about its axis, as a right-handed screw, over time: friction feels it"),
-        Moves::AboutNormal => Some(
-            "the angle by which it has turned in space about the normal through `point`, as a right-handed screw, over time: friction \
-             feels it, as on a turntable",
-        ),
-        _ => None,
-    };
-    if let Some(angle) = about {
-        components.push(Parameter::new("angle", Kind::Amplitude, angle).of("rad").or(Absent::Means("none")));
+    components.push(Parameter::new("angle", Kind::Amplitude, angle).of("rad").or(Absent::Means("none")));
+    let about = Parameter::new("about", Kind::Vector, "a point of the axis about which it turns; the point moves with the obstacle");
+    let about = about.of("length").or(Absent::Means(if point.is_empty() { "needed with an `angle`" } else { point }));
+    components.push(about);
+    if has_axis {
+        components
+            .push(Parameter::new("axis", Kind::Vector, "the axis about which it turns, of any length").of("1").or(Absent::Means(axis)));
     }
-    let summary = match about {
-        Some(_) => "how the obstacle moves over time",
-        None => "how the obstacle is displaced over time; what turns is a rigid body with a joint whose `drive` is the angle",
+    Parameter::new("motion", Kind::Options(components), "how the obstacle moves over time").or(Absent::Means("at rest"))
+}
+
+/// Returns the rotation in the options `motion` of an obstacle with the options `options`.
+fn rotation_of(moves: Moves, obstacle: &Obstacle, options: &Options, motion: &Options) -> Result<Option<ObstacleRotation>, Failure> {
+    let is_in_space = matches!(obstacle, Obstacle::InSpace(_));
+    let (angle, about) = (motion.argument("angle"), motion.argument("about"));
+    let axis = (!moves.rotation()[2].is_empty()).then(|| motion.argument("axis")).filter(Argument::is_given);
+    if !angle.is_given() {
+        let given = axis.as_ref().or(Some(&about).filter(|about| about.is_given()));
+        return given.map_or(Ok(None), |given| {
+            let failure = given.fail(format!("{} goes with an `angle`", given.title())).code(causes::OPTIONS_TOGETHER);
+            Err(failure.hint("give the `angle` over time, such as `|t| 2.0 * t`, or leave this out"))
+        });
+    }
+    if let Some(axis) = axis.as_ref().filter(|_| !is_in_space) {
+        let failure = axis.fail("an obstacle of the plane turns about a point").code(causes::DIMENSION);
+        return Err(failure.hint("leave the axis out, or give a point and a normal of 3 numbers"));
+    }
+    let angle = amplitude_of(&angle)?;
+    let own = own_axis(moves, obstacle);
+    let has_own = moves == Moves::Round || moves == Moves::AboutAxis || (moves == Moves::Plane && is_in_space);
+    if has_own && !about.is_given() && axis.is_none() {
+        return Ok(Some(ObstacleRotation { angle, about: None }));
+    }
+    let center = match (about.is_given(), own) {
+        (true, _) => about.vector(if is_in_space { 3 } else { 2 })?,
+        (false, Some([center, _])) => center,
+        (false, None) => {
+            let failure = about.fail("what turns needs a point about which it turns").code(causes::MISSING);
+            return Err(failure.label("this has an `angle` alone").hint("write `about: [0.0, 0.0]`, in space `about: [0.0, 0.0, 0.0]`"));
+        }
     };
-    Parameter::new("motion", Kind::Options(components), summary).or(Absent::Means("at rest"))
+    let of_shape = match moves {
+        Moves::Box if options.argument("axis").is_given() => direction(&options.argument("axis"))?,
+        _ => own.map_or([0.0, 0.0, 1.0], |[_, axis]| axis),
+    };
+    let axis = axis.as_ref().map_or(Ok(of_shape), direction)?;
+    Ok(Some(ObstacleRotation { angle, about: Some(TurningAxis::new(center, axis)) }))
+}
+
+/// Point and direction of the axis that a shape has by itself; `None` for polylines and surfaces.
+fn own_axis(moves: Moves, obstacle: &Obstacle) -> Option<[[f64; 3]; 2]> {
+    let up = [0.0, 0.0, 1.0];
+    match obstacle {
+        Obstacle::HalfPlane { point: [x, y], .. } | Obstacle::Disk { center: [x, y], .. } | Obstacle::Ring { center: [x, y], .. } => {
+            Some([[*x, *y, 0.0], up])
+        }
+        Obstacle::Polyline { .. } => None,
+        Obstacle::InSpace(shape) => match shape {
+            ObstacleInSpace::Plane { point, normal } => Some([*point, *normal]),
+            ObstacleInSpace::Sphere { center, axis, .. }
+            | ObstacleInSpace::Cylinder { point: center, axis, .. }
+            | ObstacleInSpace::FiniteCylinder { center, axis, .. }
+            | ObstacleInSpace::Cone { tip: center, axis, .. }
+            | ObstacleInSpace::Torus { center, axis, .. } => Some([*center, *axis]),
+            ObstacleInSpace::Facets(facets) => (moves == Moves::Box).then(|| {
+                let (points, share) = (facets.points(), 1.0 / facets.points().len() as f64);
+                [std::array::from_fn(|i| points.iter().map(|point| share * point[i]).sum()), up]
+            }),
+        },
+    }
 }
 
 /// Alternatives in the plane and in space, for messages.
@@ -108,7 +192,7 @@ pub fn shape(
         parameters: vec![Parameter::new("options", Kind::Options(keys), "shape, place and motion")],
         returns: ObstacleHandle::NAME,
         example: example.into(),
-        see_also: if moves.is_in_space() { IN_SPACE } else { IN_PLANE },
+        see_also: if moves.is_in_space() || moves == Moves::Plane { IN_SPACE } else { IN_PLANE },
         body: body(move |call| {
             let options = call.options("options")?;
             let obstacle = make(&options)?;
@@ -117,14 +201,9 @@ pub fn shape(
                 let argument = nested.argument(name);
                 if argument.is_given() { amplitude_of(&argument).map(Some) } else { Ok(None) }
             };
-            let along_z = if moves.is_in_space() { over_time("z")? } else { None };
+            let along_z = if moves.is_in_space() || moves == Moves::Plane { over_time("z")? } else { None };
             let motion = [over_time("x")?, over_time("y")?, along_z];
-            let turns = matches!(moves, Moves::Round | Moves::AboutAxis | Moves::AboutNormal);
-            let turn = if turns { over_time("angle")? } else { None };
-            if turn.is_some() && moves == Moves::AboutNormal && !matches!(obstacle, Obstacle::InSpace(_)) {
-                let failure = nested.argument("angle").fail("a border of the plane does not turn about its normal").code(causes::DIMENSION);
-                return Err(failure.hint("leave it out, or take a rigid body whose boundary is moved with `prescribe`").into());
-            }
+            let turn = rotation_of(moves, &obstacle, &options, &nested)?;
             if motion[2].is_some() && !matches!(obstacle, Obstacle::InSpace(_)) {
                 let argument = nested.argument("z");
                 let failure = argument.fail("an obstacle of the plane does not move along z").code(causes::DIMENSION);
@@ -163,7 +242,7 @@ fn rigid_plane() -> Function {
             point("point", "a point of its border, of 2 or, in space, of 3 numbers"),
             Parameter::new("normal", Kind::Vector, "the outward normal of its border, of any length: bodies are on that side").of("1"),
         ],
-        Moves::AboutNormal,
+        Moves::Plane,
         "let ground = rigid_plane(#{ point: [0.0, 0.0], normal: [0.0, 1.0] });",
         |options| {
             let (argument, point) = (options.argument("normal"), options.argument("point"));
@@ -214,7 +293,7 @@ fn rigid_polyline() -> Function {
         "rigid_polyline",
         "straight rigid facets as the other side of a contact: the obstacle is on the left of the way through the points",
         vec![Parameter::new("points", Kind::Array, "an array of points `[x, y]`; closed when the last is the first").of("length")],
-        Moves::InPlane,
+        Moves::Polyline,
         "let stairs = rigid_polyline(#{ points: [[4.0, 0.0], [2.0, 0.0], [2.0, 0.5], [0.0, 0.5]] });",
         |options| {
             let argument = options.argument("points");

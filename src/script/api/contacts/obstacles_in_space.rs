@@ -169,7 +169,7 @@ fn rigid_box() -> Function {
             axis("the axis about which it is turned, through its middle").or(Absent::Means("along z")),
             Parameter::new("angle", Kind::Number, "the angle by which it is turned").of("rad").or(Absent::Number(0.0)),
         ],
-        Moves::InSpace,
+        Moves::Box,
         "let anvil = rigid_box(#{ size: [1.0, 1.0, 0.5], origin: [-0.5, -0.5, -0.5], axis: [0.0, 0.0, 1.0], angle: deg(45) });",
         |options| {
             let (argument, origin) = (options.argument("size"), options.argument("origin").vector(3)?);
@@ -207,7 +207,7 @@ fn rigid_surface() -> Function {
             Parameter::new("inside", Kind::Flag, "whether bodies are on the other side, inside of a closed surface")
                 .or(Absent::Flag(false)),
         ],
-        Moves::InSpace,
+        Moves::Surface,
         "let die = rigid_surface(#{ mesh: block(#{ size: [1.0, 1.0, 0.2], cells: [4, 4, 1] }), boundary: \"top\" });",
         |options| {
             let (file, mesh) = (options.argument("file"), options.argument("mesh"));

@@ -96,8 +96,8 @@ pub fn result() -> Function {
     }
 }
 
-/// Unit in which a result is; empty where none is given, or where that of a dimension is not declared.
-fn unit_of(call: &Call) -> Result<String, Failure> {
+/// Unit in the argument `unit` of a result or parameter; empty where none is given, or where that of a dimension is not declared.
+pub fn unit_of(call: &Call) -> Result<String, Failure> {
     let argument = call.argument("unit");
     if !argument.is_given() {
         return Ok(String::new());

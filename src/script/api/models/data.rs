@@ -13,6 +13,8 @@ use crate::script::language::sources::Place;
 pub struct LoadNote {
     /// Description of the load, such as `torque on "inner ring.inner"`.
     pub title: String,
+    /// Dimension of the load.
+    pub dimension: &'static str,
     /// Place of the definition.
     pub place: Option<Place>,
     /// Time function of the load.

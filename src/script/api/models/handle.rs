@@ -5,7 +5,7 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 use super::data::ModelData;
-use super::description::describe_model;
+use super::description::{describe_model, without_unit};
 use crate::dynamics::BodyDefinition;
 use crate::mesh::{Boundary, Mesh};
 use crate::script::api::materials::MaterialHandle;
@@ -42,7 +42,7 @@ impl Handle for ModelHandle {
     const MAKER: &'static str = "make one with `model(name)`";
 
     fn describe(&self) -> String {
-        describe_model(&self.0.borrow())
+        describe_model(&self.0.borrow(), &without_unit)
     }
 }
 

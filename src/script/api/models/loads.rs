@@ -135,7 +135,12 @@ fn add_load(call: &Call, kind: LoadKind, word: &str) -> Result<Dynamic, Failure>
     let function = amplitude_of(&call.argument("amplitude"))?;
     let title = format!("{word} on \"{}\" with amplitude {}", model.0.borrow().model.boundary_name(&on), function.describe());
     let amplitude = Arc::new(RecordedTimeFunction::new(function));
-    let note = LoadNote { title, place: call.place(&Default::default()), amplitude: amplitude.clone() };
+    let dimension = match kind {
+        LoadKind::Traction(_) | LoadKind::Pressure(_) => "stress",
+        LoadKind::Force(_) => "force",
+        LoadKind::Torque(_) => "force * length",
+    };
+    let note = LoadNote { title, dimension, place: call.place(&Default::default()), amplitude: amplitude.clone() };
     change(call, &model, |data| {
         let amplitude: Amplitude = amplitude;
         data.model.loads.push(Load { kind, on, amplitude });

@@ -13,7 +13,7 @@ use crate::output::{
 use crate::script::api::files::failures::output_failure;
 use crate::script::api::files::results::Results;
 use crate::script::api::files::run_folder::{RunFolder, output_folder};
-use crate::script::api::parameters::Overrides;
+use crate::script::api::parameters::{Overrides, ParameterUnits};
 use crate::script::language::failure::Failure;
 use crate::script::language::host::Host;
 
@@ -110,6 +110,7 @@ fn common(host: &Host, outcome: &str) -> Summary {
     Summary {
         script: host.main.borrow().clone(),
         parameters: host.slots.get::<Overrides>().parameters().into_iter().map(|(name, value)| (name, json(&value))).collect(),
+        parameter_units: ParameterUnits::of(host),
         results: Results::of(host),
         result_units: Results::units(host),
         version: env!("CARGO_PKG_VERSION").into(),

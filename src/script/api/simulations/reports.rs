@@ -26,7 +26,7 @@ use crate::script::api::files::shown::Printed;
 use crate::script::api::files::writing::path_parameter;
 use crate::script::api::models::description::{describe_obstacle, prescribed};
 use crate::script::api::models::joint_friction::friction_text;
-use crate::script::api::parameters::Overrides;
+use crate::script::api::parameters::{Overrides, ParameterUnits};
 use crate::script::api::remedies::explained;
 use crate::script::language::arguments::{Argument, Arguments};
 use crate::script::language::causes;
@@ -164,7 +164,12 @@ pub fn findings(host: &Host, data: &SimulationData, simulation: &Simulation, his
 
 /// Values of `param(...)` by name.
 pub fn parameters(host: &Host) -> BTreeMap<String, Value> {
-    host.slots.get::<Overrides>().parameters().into_iter().map(|(name, value)| (name, json(&value))).collect()
+    let units = ParameterUnits::of(host);
+    let named = |name: String| match units.get(&name) {
+        Some(unit) => format!("{name} [{}]", pretty_unit(unit)),
+        None => name,
+    };
+    host.slots.get::<Overrides>().parameters().into_iter().map(|(name, value)| (named(name), json(&value))).collect()
 }
 
 /// Value of a script parameter as JSON, for a file of results.
@@ -215,7 +220,7 @@ pub fn placed(model: &Model) -> Vec<PlacedObstacle> {
         let touching =
             model.interactions.iter().filter(|one| matches!(&one.partner, Partner::Obstacle { shape: other, .. } if *other == shape));
         let name = touching.map(|one| one.name.as_str()).collect::<Vec<_>>().join(", ");
-        PlacedObstacle { name, shape, translation: [0.0; 3] }
+        PlacedObstacle { name, shape, place: Default::default() }
     };
     shapes(model).into_iter().map(named).collect()
 }
@@ -236,7 +241,7 @@ pub fn tables(data: &SimulationData, simulation: &Simulation) -> Vec<ReportTable
         table("Bodies", &["body", "cells", "nodes", "material", "formulation"], bodies.collect()),
         table("Held and loaded", &[], conditions(data)),
         table("Joints, gears and drives", &["name", "kind", "from", "to", "at", "driven or limited"], joints(model)),
-        table("Contacts", &["contact", "secondary", "primary", "method", "update", "enforcement"], contacts(model, simulation)),
+        table("Contacts", &["contact", "secondary", "primary", "method", "update", "enforcement"], contacts(data, simulation)),
         table("Time integration", &[], integration(data, simulation)),
     ];
     all.retain(|table| !table.rows.is_empty());
@@ -399,10 +404,11 @@ fn conditions(data: &SimulationData) -> Vec<Vec<String>> {
     all
 }
 
-fn contacts(model: &Model, simulation: &Simulation) -> Vec<Vec<String>> {
+fn contacts(data: &SimulationData, simulation: &Simulation) -> Vec<Vec<String>> {
+    let (model, told) = (&data.model.model, |number: String, dimension: &str| data.told(number, dimension));
     let row = |interaction: &Interaction| {
         let primary = match &interaction.partner {
-            Partner::Obstacle { shape, motion, turn } => describe_obstacle(shape, motion, turn.as_ref()),
+            Partner::Obstacle { shape, motion, turn } => describe_obstacle(shape, motion, turn.as_ref(), &told),
             Partner::Itself => "itself".into(),
             _ => joined(&interaction.primary().iter().map(|on| model.boundary_name(on)).collect::<Vec<_>>(), "and"),
         };

@@ -29,6 +29,7 @@ use crate::script::api::files::failures::output_failure;
 use crate::script::api::files::run_folder::RunFolder;
 use crate::script::api::models::change::keep_model;
 use crate::script::api::models::data::ModelData;
+use crate::script::api::models::description::describe_model;
 use crate::script::api::models::handle::ModelHandle;
 use crate::script::api::motion::Motion;
 use crate::script::api::nested_runs::{current_motion, is_study};
@@ -44,6 +45,7 @@ use crate::script::language::handle::Handle;
 use crate::script::language::host::Host;
 use crate::script::language::parameter::{Absent, Kind, Parameter};
 use crate::script::language::scan::Target;
+use crate::script::language::wording::joined;
 
 /// Script functions defined in this file.
 pub fn functions() -> Vec<Function> {
@@ -195,8 +197,17 @@ fn warn_of_bodies(call: &Call, model: &Model) {
                 .warn(warning.hint("mend its energy, such as with `I1bar` in place of `I1`; `material.check()` tells all that is wrong"));
         }
     }
-    for body in model.falling() {
-        let title = format!("gravity moves body \"{}\" for ever: neither it nor what it may touch has a support to rest on", body.name);
+    let falling: Vec<String> = model.falling().into_iter().map(|body| format!("\"{}\"", body.name)).collect();
+    if let Some(first) = falling.first() {
+        let title = match falling.len() {
+            1 => format!("gravity moves body {first} for ever: neither it nor what it may touch has a support to rest on"),
+            count => {
+                let more = count.saturating_sub(NAMED_BODIES);
+                let names = falling.iter().take(NAMED_BODIES).cloned().chain((more > 0).then(|| format!("{more} more")));
+                let names = joined(&names.collect::<Vec<_>>(), "and");
+                format!("gravity moves bodies {names} for ever: neither they nor what they may touch have a support to rest on")
+            }
+        };
         let warning = Diagnostic::warning(title, call.place(&Target::Call)).code("C0171");
         call.host.warn(warning.hint("hold it with `fix`, or let it touch something with `add_contact`"));
     }
@@ -266,6 +277,9 @@ fn warn_of_constraints(call: &Call, model: &Model, integrator: &Scheme) {
 
 /// Largest number of passages of sound through a body within a step; beyond it the density is taken for a mistake of units.
 const CROSSINGS: f64 = 1e9;
+
+/// Largest number of bodies that a warning names.
+const NAMED_BODIES: usize = 4;
 
 /// Warns of bodies whose mass is too small for the time step size.
 fn warn_of_units(call: &Call, model: &Model, dt: f64) {
@@ -414,13 +428,13 @@ fn unique_name(host: &Host, model: &str) -> String {
 fn described_for_check(handle: &SimulationHandle) -> String {
     let simulation = handle.0.simulation.borrow();
     let options = simulation.options();
-    let model = ModelHandle(Rc::new(RefCell::new(handle.0.model.clone())));
+    let told = |number: String, dimension: &str| handle.0.told(number, dimension);
     format!(
         "simulation \"{}\": {}, dt = {}, {} unknowns\n{}",
         handle.0.name,
         title(&options.integrator),
         step_size(options, |dt| handle.0.told(dt, "time")),
         simulation.unknowns(),
-        model.describe()
+        handle.0.with_units(&describe_model(&handle.0.model, &told))
     )
 }

@@ -9,21 +9,23 @@ use crate::script::language::digits::{brief, vector_text};
 use crate::script::language::failure::{Class, Failure, interrupted};
 use crate::script::language::function::Call;
 
-/// Describes an overlap, such as `by 0.02, 0.21 facets, at [1.0, 2.0]`.
-pub(super) fn overlap_text(depth: f64, facets: f64, at: &[f64]) -> String {
-    format!("by {}, {facets:.2} facets, at {}", brief(depth), vector_text(at))
-}
-
 /// Ratio of stress to Young's modulus above which a load crushes a body, whatever its law.
 const CRUSHES: f64 = 0.5;
 
 impl SimulationHandle {
+    /// Describes an overlap, such as `by 0.02 mm, 0.21 facets, at [1.0, 2.0] mm`.
+    pub(super) fn overlap_text(&self, depth: f64, facets: f64, at: &[f64]) -> String {
+        let told = |number: String| self.0.told(number, "length");
+        format!("by {}, {facets:.2} facets, at {}", told(brief(depth)), told(vector_text(at)))
+    }
+
     /// Failure of the call that requested the step.
     pub(super) fn step_failure(&self, call: &Call, error: StepError) -> Failure {
-        let (title, hint, code) = (error.to_string(), error.remedy(), error.code());
+        let told = |text: String| self.0.with_units(&text);
+        let (title, hint, code) = (told(error.to_string()), told(error.remedy()), error.code());
         let failure = match error {
-            StepError::Interrupted { time } => interrupted(format!("interrupted at t = {}", brief(time))).hint(hint),
-            StepError::StillOverlaps { depth, facets, at, .. } => call.fail(title).cause(overlap_text(depth, facets, &at)).hint(hint),
+            StepError::Interrupted { time } => interrupted(told(format!("interrupted at t = {}", brief(time)))).hint(hint),
+            StepError::StillOverlaps { depth, facets, at, .. } => call.fail(title).cause(self.overlap_text(depth, facets, &at)).hint(hint),
             StepError::OutOfMemory { .. }
             | StepError::Contradiction { .. }
             | StepError::Blocked { .. }
@@ -38,11 +40,11 @@ impl SimulationHandle {
                 }
             }
             // A failure without a step size comes from `settle`.
-            StepError::NotConverged { dt: 0.0, cause, .. } => self.no_equilibrium(cause, hint),
+            StepError::NotConverged { dt: 0.0, cause, .. } => self.no_equilibrium(told(cause), hint),
             StepError::NotConverged { time, step, dt, halvings, cause, .. } => {
                 let (time, dt) = (brief(time), brief(dt));
                 let title = format!("Newton's method did not converge at t = {time} (step {step}, dt = {dt}, after {halvings} halvings)");
-                let failure = self.not_converged(title, cause, hint);
+                let failure = self.not_converged(told(title), told(cause), hint);
                 let failure = match self.keeps_depth() {
                     Some(contact) => failure.hint(format!(
                         "between rigid bodies `persistency` keeps the depth of contact \"{contact}\", and from two sides that jams: \
@@ -63,9 +65,10 @@ impl SimulationHandle {
             return None;
         }
         let error = self.0.simulation.try_borrow().ok()?.check_apart().err()?;
-        let (title, hint, code) = (error.to_string(), error.remedy(), error.code());
+        let (title, hint) = (self.0.with_units(&error.to_string()), self.0.with_units(&error.remedy()));
+        let code = error.code();
         let StepError::StillOverlaps { contact, depth, facets, at, .. } = error else { return None };
-        let failure = Failure::new(Class::Numerics, title).code(code).cause(overlap_text(depth, facets, &at)).hint(hint);
+        let failure = Failure::new(Class::Numerics, title).code(code).cause(self.overlap_text(depth, facets, &at)).hint(hint);
         Some(failure.placed(self.0.model.place_of_contact(&contact)))
     }
 

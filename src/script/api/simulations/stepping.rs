@@ -11,7 +11,6 @@ use super::following;
 use super::handle::{PastState, SimulationHandle, busy};
 use super::journal::Journal;
 use super::recalling::go_on;
-use super::step_failures::overlap_text;
 use crate::dynamics::{LedgerRow, Overlap, OverlapKind, StepError};
 use crate::math::catalogue::Interval;
 use crate::math::tolerances::SAME_MOMENT;
@@ -114,7 +113,7 @@ impl SimulationHandle {
             0 => String::new(),
             others => format!("; {others} more overlap"),
         };
-        let cause = format!("{}{others}", overlap_text(worst.depth, worst.facets, &worst.at));
+        let cause = format!("{}{others}", self.overlap_text(worst.depth, worst.facets, &worst.at));
         Err(call.fail(worst.to_string()).code(worst.code()).cause(cause).hint(worst.remedy()))
     }
 

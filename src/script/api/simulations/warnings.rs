@@ -89,8 +89,9 @@ impl SimulationHandle {
         let RunFinding { contact, step, time, .. } = finding;
         let place = contact.as_ref().map_or(self.0.place.clone(), |name| self.0.model.place_of_contact(name));
         let which = self.prefix(host);
-        let cause = format!("{} ({which}t = {}, step {step})", explained(finding), brief(*time));
-        host.warn(Diagnostic::warning(finding.to_string(), place).code(finding.code()).cause(cause).hint(finding.remedy()));
+        let cause = self.0.with_units(&format!("{} ({which}t = {}, step {step})", explained(finding), brief(*time)));
+        let (title, hint) = (self.0.with_units(&finding.to_string()), self.0.with_units(&finding.remedy()));
+        host.warn(Diagnostic::warning(title, place).code(finding.code()).cause(cause).hint(hint));
     }
 
     /// Warns of a prescribed motion that does not begin where the bodies are, before the first step.
