@@ -44,8 +44,8 @@ const COME_BACK: usize = 4;
 /// separated after contact.
 const REVIEW: usize = 50;
 
-/// Time of an operation of a substitution relative to one of a factorization, taken smaller than it is (2.5), because a factorization discards
-/// the substitutions before it; and the least number of substitutions that are preferred to a factorization.
+/// Time of an operation of a substitution relative to one of a factorization, taken smaller than it is (2.5), because a factorization
+/// discards the substitutions before it; and the least number of substitutions that are preferred to a factorization.
 const SLOWER: f64 = 1.5;
 const SUBSTITUTIONS: usize = 64;
 

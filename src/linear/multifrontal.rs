@@ -158,7 +158,8 @@ impl Multifrontal {
         &self.replaced
     }
 
-    /// `x := A^-1 x`, with one scale per unknown, for at most [`TOGETHER`] vectors `x` one after another. Every vector gets the same numbers as alone.
+    /// `x := A^-1 x`, with one scale per unknown, for at most [`TOGETHER`] vectors `x` one after another. Every vector gets the same
+    /// numbers as alone.
     pub(super) fn solve(&mut self, symbolic: &Symbolic, scale: &[f64], x: &mut [f64], workers: &Workers) {
         let Multifrontal { factors, swaps, ordered, outside, scratch, .. } = self;
         let (factors, fronts, unknowns) = (factors.all(), symbolic.fronts.len(), symbolic.unknowns.len());

@@ -1,10 +1,10 @@
 //! A recording: data for the animation of a run, kept beside the run and bounded in memory.
 //!
 //! At first, a *still* of every nominal step is kept, or of every few if many steps are expected; when there are more than allowed, every
-//! second one is dropped and the spacing doubles. The stills thus depend only on the steps, not on the clock, and memory is bounded. A still holds displacement, velocity and
-//! stress of all visible nodes (in space those of the hull, optionally also inner ones), the plastic strain of bodies with plasticity, and
-//! the quantities for which a script asks ([`FURTHER`]), as 16-bit numbers between the extremes of each component: an error of 1/131072 of
-//! the range. A simulation cannot be continued from a still.
+//! second one is dropped and the spacing doubles. The stills thus depend only on the steps, not on the clock, and memory is bounded. A
+//! still holds displacement, velocity and stress of all visible nodes (in space those of the hull, optionally also inner ones), the plastic
+//! strain of bodies with plasticity, and the quantities for which a script asks ([`FURTHER`]), as 16-bit numbers between the extremes of
+//! each component: an error of 1/131072 of the range. A simulation cannot be continued from a still.
 //!
 //! Bytes of a still, body after body, little-endian: for each component its two extremes as f32; the high bytes of all components, then
 //! their low bytes, each value as the difference from the node before; the number of contact nodes (u32), their places among the nodes of

@@ -17,8 +17,8 @@
 //! `b = -m x n / |N|`.
 //!
 //! A polygon depends on twelve plane coordinates and, without profiles, linearly on heights. One evaluation with derivatives by plane
-//! coordinates, of which six follow from affine maps without profiles, gives its part of the Hessian, which the chain rule then transforms to
-//! the node positions.
+//! coordinates, of which six follow from affine maps without profiles, gives its part of the Hessian, which the chain rule then transforms
+//! to the node positions.
 
 use std::ops::Mul;
 
