@@ -5,9 +5,11 @@
 //! the step is undisturbed; the machine need not be idle all the time. The processor time of whole steps is measured in the same way.
 
 use std::error::Error;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use conserva::dynamics::{Hat, LoadKind, Model, Options, Simulation, Statistics};
+use conserva::contact::Coulomb;
+use conserva::dynamics::{Coefficient, Friction, Hat, LoadKind, Model, Options, Simulation, Statistics};
 use conserva::integrators::ENERGY_MOMENTUM;
 use conserva::materials::NeoHookean;
 use conserva::mesh::{Change, Mesh, MeshError, ring};
@@ -32,6 +34,9 @@ pub const IN_PLANE: Kind = Kind { name: "bearing", make: in_plane, points: 4, fl
 /// Bearing extruded along its axis; the size is the number of layers.
 pub const IN_SPACE: Kind = Kind { name: "bearing in space", make: in_space, points: 8, floor: None };
 
+/// Bearing extruded along its axis with a friction coefficient of 0.1.
+pub const WITH_FRICTION: Kind = Kind { name: "bearing in space with friction 0.1", make: with_friction, points: 8, floor: None };
+
 fn in_plane(refine: usize, threads: usize) -> Result<Simulation, Box<dyn Error>> {
     let steel = NeoHookean { youngs_modulus: 1e5, poisson_ratio: 0.1, density: 1e-3 }.material()?;
     let mut model = Model::new("bearing");
@@ -50,6 +55,15 @@ fn in_plane(refine: usize, threads: usize) -> Result<Simulation, Box<dyn Error>>
 
 /// 14 520 unknowns with four layers; both rings are free.
 fn in_space(layers: usize, threads: usize) -> Result<Simulation, Box<dyn Error>> {
+    extruded(layers, threads, None)
+}
+
+fn with_friction(layers: usize, threads: usize) -> Result<Simulation, Box<dyn Error>> {
+    let coefficient = Coefficient::Constant(0.1);
+    extruded(layers, threads, Some(Friction { law: Arc::new(Coulomb::default()), coefficient }))
+}
+
+fn extruded(layers: usize, threads: usize, friction: Option<Friction>) -> Result<Simulation, Box<dyn Error>> {
     let steel = NeoHookean { youngs_modulus: 1e5, poisson_ratio: 0.1, density: 1e-3 }.material()?;
     let mut model = Model::new("bearing in space");
     let mesh = |inner, outer, around| -> Result<Mesh, MeshError> {
@@ -57,7 +71,7 @@ fn in_space(layers: usize, threads: usize) -> Result<Simulation, Box<dyn Error>>
     };
     let outer = model.add_body("outer ring", mesh(1.0, 1.5, 48)?, &steel);
     let inner = model.add_body("inner ring", mesh(0.5, 1.002, 40)?, &steel);
-    model.add_contact("race", model.boundary(inner, "outer")?, model.boundary(outer, "inner")?);
+    model.add_contact("race", model.boundary(inner, "outer")?, model.boundary(outer, "inner")?).friction = friction;
     model.load(model.boundary(inner, "inner")?, LoadKind::Torque([0.0, 0.0, 1.0]), Hat { start: 0.0, end: 0.2, peak: 0.05 });
     let options = Options { threads, ..Options::new(&ENERGY_MOMENTUM, 0.01) };
     let mut sim = Simulation::new(&model, options)?;
@@ -74,6 +88,7 @@ struct Timing {
     unknowns: usize,
     steps: usize,
     iterations: usize,
+    factorizations: usize,
     cells: usize,
     /// Seconds of all steps by phase, and processor time of this thread.
     seconds: [f64; 6],
@@ -84,7 +99,7 @@ struct Timing {
 fn measure(kind: &Kind, size: usize, steps: usize, repetitions: usize, threads: usize) -> Result<Timing, Box<dyn Error>> {
     let mut least = vec![[f64::INFINITY; 7]; steps];
     let start = Instant::now();
-    let (mut unknowns, mut iterations, mut cells) = (0, 0, 0);
+    let (mut unknowns, mut iterations, mut factorizations, mut cells) = (0, 0, 0, 0);
     for _ in 0..repetitions {
         let mut sim = (kind.make)(size, threads)?;
         // After the start-up: the pattern has been rebuilt and the active set has changed before timing begins.
@@ -111,10 +126,11 @@ fn measure(kind: &Kind, size: usize, steps: usize, repetitions: usize, threads: 
         }
         unknowns = sim.unknowns();
         iterations = counted.newton_iterations - before.newton_iterations;
+        factorizations = counted.factorizations - before.factorizations;
         cells = counted.cells;
     }
     let sum = |part: usize| least.iter().map(|step| step[part]).sum();
-    Ok(Timing { unknowns, steps, iterations, cells, seconds: std::array::from_fn(sum), processor: sum(6) })
+    Ok(Timing { unknowns, steps, iterations, factorizations, cells, seconds: std::array::from_fn(sum), processor: sum(6) })
 }
 
 /// Prints the phases for each size; `others` are the milliseconds of faer's LU for a system of each size.
@@ -131,8 +147,8 @@ pub fn phases_of_an_iteration(
     );
     let titles = PHASES.map(|name| format!("{name:>14}")).concat();
     println!(
-        "{:>6} {:>9} {:>6} {:>6}{titles}{:>10} {:>10} {:>13} {:>18}",
-        "size", "unknowns", "steps", "its", "sum", "processor", "over faer LU", "assembly ns/point"
+        "{:>6} {:>9} {:>6} {:>6} {:>6}{titles}{:>10} {:>10} {:>13} {:>18}",
+        "size", "unknowns", "steps", "its", "factor", "sum", "processor", "over faer LU", "assembly ns/point"
     );
     let mut timings = Vec::new();
     for (k, &refine) in sizes.iter().enumerate() {
@@ -145,10 +161,11 @@ pub fn phases_of_an_iteration(
         let used = if threads == 1 { 1e3 * timing.processor / timing.iterations as f64 } else { sum };
         let points = (timing.cells * kind.points) as f64;
         println!(
-            "{refine:>6} {:>9} {:>6} {:>6}{}{sum:>10.3} {used:>10.3} {:>13} {:>7.0}{}",
+            "{refine:>6} {:>9} {:>6} {:>6} {:>6}{}{sum:>10.3} {used:>10.3} {:>13} {:>7.0}{}",
             timing.unknowns,
             timing.steps,
             timing.iterations,
+            timing.factorizations,
             per_iteration.map(|ms| format!("{ms:>14.3}")).concat(),
             others.get(k).map(|other| format!("{:.3}", used / other)).unwrap_or_default(),
             1e6 * per_iteration[0] / points,

@@ -1,7 +1,7 @@
 //! Speed of Conserva as ratios in one run: `cargo bench --bench performance [-- SIZE ...] [--threads N] [--repetitions N] [--materials |
-//! --in-space | --editor | --solids [--write FOLDER]]`. The last four select the cost of laws, the bearing extruded along its axis, the
-//! response times of the language server, or the linear solver on cubes and plates (sizes: cells along the first edge), whose matrices can
-//! be written for other solvers.
+//! --in-space | --editor | --solids [--write FOLDER]]`. The last four select the cost of laws, the bearing extruded along its axis without
+//! and with friction, the response times of the language server, or the linear solver on cubes and plates (sizes: cells along the first
+//! edge), whose matrices can be written for other solvers.
 //!
 //! Sizes multiply all cell counts of the bearing (1 2 4 8 without arguments; a few minutes). `docs/performance.md` has the figures and the
 //! machine. Counts of work are not measured here; `tests/cost.rs` compares them with a record.
@@ -57,6 +57,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         bearing::phases_of_an_iteration(&bearing::IN_PLANE, &[2], &[], repetitions, 1)?;
         for threads in 1..=threads {
             bearing::phases_of_an_iteration(&bearing::IN_SPACE, &layers, &[], repetitions, threads)?;
+            bearing::phases_of_an_iteration(&bearing::WITH_FRICTION, &layers, &[], repetitions, threads)?;
         }
         return Ok(());
     }

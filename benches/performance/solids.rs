@@ -22,6 +22,9 @@ const SOLIDS: [[usize; 3]; 6] = [[11; 3], [16; 3], [25; 3], [31; 3], [30, 30, 4]
 /// Sides of single fronts.
 const FRONTS: [usize; 4] = [900, 1500, 3000, 4500];
 
+/// Number of right-hand sides that are solved together.
+const TOGETHER: usize = 16;
+
 /// Number of unknowns above which three repetitions suffice.
 const LARGE: usize = 20_000;
 
@@ -84,13 +87,29 @@ fn time(name: &str, System { pattern, values, .. }: &System, repetitions: usize)
         done = factorization.solve(values, &mut x);
     });
     done?;
+    let rights = right.repeat(TOGETHER);
+    let mut several = rights.clone();
+    let mut done = Ok(());
+    let together = least(repetitions, || {
+        several.copy_from_slice(&rights);
+        done = factorization.solve_all(values, &mut several).map(drop);
+    });
+    let estimated = least(repetitions, || {
+        several.copy_from_slice(&rights);
+        done = factorization.estimate(values, &mut several);
+    });
+    done?;
+    let each = [together, estimated].map(|time| time / TOGETHER as f64);
     let (operations, factors) = (1e-9 * factorization.operations(), factorization.factor_bytes());
     println!(
-        "{name:10} {:7} unknowns, order {:7.0} ms, {operations:7.2} Gflop at {:4.1} Gflop/s, factor {factor:8.1} ms, solve {solve:6.1} ms, \
+        "{name:10} {:7} unknowns, order {:7.0} ms, {operations:7.2} Gflop at {:4.1} Gflop/s, factor {factor:8.1} ms, solve {solve:6.1} ms \
+         ({:.1} of {TOGETHER} at once, {:.1} without refinement), \
          factors {:5.0} MB, peak {:.2} times that, residual {:.0e}",
         pattern.unknowns(),
         first - factor,
         1e3 * operations / factor,
+        each[0],
+        each[1],
         1e-6 * factors as f64,
         factorization.bytes() as f64 / factors as f64,
         residual(pattern, values, &x, &right),

@@ -14,7 +14,7 @@ use std::sync::Arc;
 
 use super::elimination_order::{Account, EliminationOrder};
 use super::error::LinearError;
-use super::multifrontal::Multifrontal;
+use super::multifrontal::{Multifrontal, TOGETHER};
 use super::ordering::{Order, alternatives, anchored, candidates};
 use super::partial_pivoting::PartialPivoting;
 use super::pattern::Pattern;
@@ -44,8 +44,10 @@ const COME_BACK: usize = 4;
 /// because bodies have separated.
 const REVIEW: usize = 50;
 
-/// Number of right-hand sides that are substituted together, so that the factors are read from memory once for all of them.
-const TOGETHER: usize = 16;
+/// Time of an operation of a substitution relative to one of a factorization, taken smaller than it is (2.5), because a factorization
+/// discards the substitutions before it; and the least number of substitutions that are preferred to a factorization.
+const SLOWER: f64 = 1.5;
+const SUBSTITUTIONS: usize = 64;
 
 /// Largest number of iterative refinements. One restores full accuracy unless the factors are useless.
 const REFINEMENTS: usize = 2;
@@ -358,7 +360,27 @@ impl Factorization {
         Ok(worst)
     }
 
-    /// Solves with refinement and checks. `first`, if known: the substituted right-hand side, and the product of the matrix with it.
+    /// Substitutes right-hand sides one after another, without refinement and checks where all pivots were usable.
+    ///
+    /// # Errors
+    /// Errors of [`Self::solve`].
+    pub fn estimate(&mut self, values: &[f64], rights: &mut [f64]) -> Result<(), LinearError> {
+        if self.fallen_back || !self.multifrontal.replaced().is_empty() {
+            return self.solve_all(values, rights).map(drop);
+        }
+        for rights in rights.chunks_mut(self.unknowns().max(1) * TOGETHER) {
+            self.multifrontal.solve(&self.symbolic, &self.scale, rights, &self.workers);
+        }
+        Ok(())
+    }
+
+    /// Number of right-hand sides whose estimated solutions cost about as much as a factorization.
+    pub fn substitutions_for_a_factorization(&self) -> usize {
+        let substitution = 2.0 * SLOWER * self.symbolic.factors as f64;
+        SUBSTITUTIONS.max((self.symbolic.operations / substitution) as usize)
+    }
+
+    /// Solves; `first` is the substituted right-hand side and the product of the matrix with it, if they are known.
     fn solve_from(&mut self, values: &[f64], right: &mut [f64], first: Option<(&[f64], &[f64])>) -> Result<f64, LinearError> {
         let size = self.scaled_size(right);
         if size == 0.0 {

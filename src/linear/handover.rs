@@ -204,6 +204,10 @@ impl LinearSolver for IterativeWithFallback {
         Ok(worst)
     }
 
+    fn estimate(&mut self, values: &[f64], rights: &mut [f64]) -> Result<(), LinearError> {
+        if self.is_direct { self.direct()?.estimate(values, rights) } else { self.solve(values, rights).map(drop) }
+    }
+
     fn near_null_vector(&self) -> Option<&[f64]> {
         self.direct.as_ref()?.near_null_vector()
     }
@@ -213,7 +217,10 @@ impl LinearSolver for IterativeWithFallback {
     }
 
     fn substitutions_for_a_factorization(&self) -> usize {
-        if self.is_direct { super::solver::SUBSTITUTIONS } else { 2 }
+        match &self.direct {
+            Some(direct) if self.is_direct => direct.substitutions_for_a_factorization(),
+            _ => 2,
+        }
     }
 
     fn memory(&self) -> SolverMemory {

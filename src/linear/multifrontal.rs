@@ -22,13 +22,16 @@ use crate::math::simd::with_registers;
 use crate::math::tolerances::LINEAR_PIVOT;
 use crate::math::workers::Workers;
 
+/// Largest number of vectors that are substituted together: enough that factors are read from memory rarely.
+pub(super) const TOGETHER: usize = 16;
+
 /// Buffers of one thread for the elimination of fronts.
 #[derive(Debug, Default)]
 struct Scratch {
     /// Buffer for the stacks of update matrices that are not yet assembled into parent fronts.
     waiting: AlignedBuffer,
     dense: panels::Scratch,
-    /// Components of a vector at the unknowns of one front.
+    /// Vectors at a front.
     at_front: AlignedBuffer,
 }
 
@@ -93,7 +96,7 @@ impl Multifrontal {
         let lengths = std::iter::once(waiting.buffer.max(waiting.of_task)).chain(std::iter::repeat(waiting.of_task));
         for (scratch, length) in self.scratch.iter_mut().filter_map(|scratch| scratch.get_mut().ok()).zip(lengths) {
             scratch.waiting.resize(length)?;
-            scratch.at_front.resize(symbolic.largest)?;
+            scratch.at_front.resize(TOGETHER * symbolic.largest)?;
         }
         self.replaced.clear();
         Ok(())
@@ -155,8 +158,8 @@ impl Multifrontal {
         &self.replaced
     }
 
-    /// `x := A^-1 x`, with one scale per unknown, for several vectors in sequence. The result for each vector is bitwise independent of the
-    /// others.
+    /// `x := A^-1 x`, with one scale per unknown, for at most [`TOGETHER`] vectors `x` one after another. Every vector gets the same
+    /// numbers as alone.
     pub(super) fn solve(&mut self, symbolic: &Symbolic, scale: &[f64], x: &mut [f64], workers: &Workers) {
         let Multifrontal { factors, swaps, ordered, outside, scratch, .. } = self;
         let (factors, fronts, unknowns) = (factors.all(), symbolic.fronts.len(), symbolic.unknowns.len());

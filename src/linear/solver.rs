@@ -30,9 +30,6 @@ pub struct TakenOver {
     pub is_unsuited: bool,
 }
 
-/// Number of substitutions that cost about as much as one factorization, for direct solvers.
-pub(super) const SUBSTITUTIONS: usize = 64;
-
 impl SolverMemory {
     /// Bytes of the data that is not shared with the earlier value `before`.
     pub fn size(&self, before: Option<&Self>) -> usize {
@@ -78,10 +75,16 @@ pub trait LinearSolver: Send {
     /// The matrix is singular, or a solution is not accurate.
     fn solve(&mut self, values: &[f64], rights: &mut [f64]) -> Result<f64, LinearError>;
 
-    /// Number of right-hand sides whose solution costs about as much as another factorization and the solution of one.
-    fn substitutions_for_a_factorization(&self) -> usize {
-        SUBSTITUTIONS
+    /// Solves like [`Self::solve`] without refinement and without an error for an inaccurate solution: for estimates.
+    ///
+    /// # Errors
+    /// The matrix is singular, or its solution is not found.
+    fn estimate(&mut self, values: &[f64], rights: &mut [f64]) -> Result<(), LinearError> {
+        self.solve(values, rights).map(drop)
     }
+
+    /// Number of right-hand sides whose estimated solutions cost about as much as another factorization with one.
+    fn substitutions_for_a_factorization(&self) -> usize;
 
     /// Estimated null vector of a singular matrix, one number per unknown.
     fn near_null_vector(&self) -> Option<&[f64]>;
@@ -123,6 +126,14 @@ impl LinearSolver for Factorization {
 
     fn solve(&mut self, values: &[f64], rights: &mut [f64]) -> Result<f64, LinearError> {
         self.solve_all(values, rights)
+    }
+
+    fn estimate(&mut self, values: &[f64], rights: &mut [f64]) -> Result<(), LinearError> {
+        self.estimate(values, rights)
+    }
+
+    fn substitutions_for_a_factorization(&self) -> usize {
+        self.substitutions_for_a_factorization()
     }
 
     fn near_null_vector(&self) -> Option<&[f64]> {

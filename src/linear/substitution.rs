@@ -78,92 +78,89 @@ impl WithSimd for Substitution<'_, '_> {
         let Substitution { symbolic, factors, swaps, part, at_front, direction } = self;
         let Part { fronts, start, rows: above, vectors } = part;
         let fronts = &symbolic.fronts[fronts.clone()];
-        // Vectors are processed one after another at each front, whose factors stay in the cache; each vector has a fixed order of
-        // operations.
+        let mut at_front = AtFront { symbolic, factors, swaps, start: *start, above, buffer: at_front };
         if direction == Direction::Down {
-            for front in fronts {
-                for vector in vectors.iter_mut() {
-                    AtFront { symbolic, front, factors, swaps, start: *start, above, at_front: &mut *at_front }.down(simd, vector);
-                }
-            }
+            fronts.iter().for_each(|front| at_front.down(simd, front, vectors));
         } else {
-            for front in fronts.iter().rev() {
-                for vector in vectors.iter_mut() {
-                    AtFront { symbolic, front, factors, swaps, start: *start, above, at_front: &mut *at_front }.up(simd, vector);
-                }
-            }
+            fronts.iter().rev().for_each(|front| at_front.up(simd, front, vectors));
         }
     }
 }
 
-/// Substitution at one front.
+/// Substitution at one front after another.
 struct AtFront<'a> {
     symbolic: &'a Symbolic,
-    front: &'a Front,
     factors: &'a [f64],
     swaps: &'a [u32],
     start: usize,
     above: &'a [u32],
-    at_front: &'a mut [f64],
+    /// The parts of all vectors that belong to a front.
+    buffer: &'a mut [f64],
 }
 
 impl AtFront<'_> {
     #[inline(always)]
-    fn down<S: Simd>(self, simd: S, vector: &mut PartOfVector<'_>) {
-        let AtFront { symbolic, front, factors, swaps, start, above, at_front } = self;
-        let PartOfVector { own: ordered, outside } = vector;
-        let end = start + ordered.len();
-        let (pivots, others) = at_front[..front.p + front.u].split_at_mut(front.p);
-        let own = &mut ordered[front.first - start..][..front.pivots];
-        for (k, &other) in swaps[front.first..][..front.pivots].iter().enumerate() {
-            own.swap(k, other as usize);
+    fn down<S: Simd>(&mut self, simd: S, front: &Front, vectors: &mut [PartOfVector<'_>]) {
+        let AtFront { symbolic, factors, swaps, start, above, buffer } = self;
+        let (side, start) = (front.p + front.u, *start);
+        let buffer = &mut buffer[..side * vectors.len()];
+        for (PartOfVector { own: ordered, .. }, at_front) in vectors.iter_mut().zip(buffer.chunks_exact_mut(side)) {
+            let own = &mut ordered[front.first - start..][..front.pivots];
+            for (k, &other) in swaps[front.first..][..front.pivots].iter().enumerate() {
+                own.swap(k, other as usize);
+            }
+            at_front[..front.pivots].copy_from_slice(own);
+            at_front[front.pivots..].fill(0.0);
         }
-        let (inside, padding) = pivots.split_at_mut(front.pivots);
-        inside.copy_from_slice(own);
-        padding.fill(0.0);
-        others.fill(0.0);
         let factors = &factors[front.factors..][..front.length()];
         let (diagonal, beside) = factors.split_at(front.p * front.p);
-        substitute_lower(simd, diagonal, &beside[..front.u * front.p], pivots, others);
-        own.copy_from_slice(&pivots[..front.pivots]);
+        substitute_lower(simd, diagonal, &beside[..front.u * front.p], [front.p, front.u], buffer);
         let rows = &symbolic.places.rows[front.rows.clone()];
-        let (mine, theirs) = rows.split_at(rows.partition_point(|&row| (row as usize) < end));
-        for (&row, value) in mine.iter().zip(&*others) {
-            ordered[row as usize - start] += value;
-        }
-        let mut k = 0;
-        for (&row, value) in theirs.iter().zip(&others[mine.len()..]) {
-            k += above[k..].iter().take_while(|&&other| other < row).count();
-            outside[k] += value;
+        for (PartOfVector { own: ordered, outside }, at_front) in vectors.iter_mut().zip(buffer.chunks_exact(side)) {
+            let (pivots, others) = at_front.split_at(front.p);
+            let end = start + ordered.len();
+            ordered[front.first - start..][..front.pivots].copy_from_slice(&pivots[..front.pivots]);
+            let (mine, theirs) = rows.split_at(rows.partition_point(|&row| (row as usize) < end));
+            for (&row, value) in mine.iter().zip(others) {
+                ordered[row as usize - start] += value;
+            }
+            let mut k = 0;
+            for (&row, value) in theirs.iter().zip(&others[mine.len()..]) {
+                k += above[k..].iter().take_while(|&&other| other < row).count();
+                outside[k] += value;
+            }
         }
     }
 
     #[inline(always)]
-    fn up<S: Simd>(self, simd: S, vector: &mut PartOfVector<'_>) {
-        let AtFront { symbolic, front, factors, start, above, at_front, .. } = self;
-        let PartOfVector { own: ordered, outside } = vector;
-        let end = start + ordered.len();
-        let (pivots, others) = at_front[..front.p + front.u].split_at_mut(front.p);
-        let (known, padding) = others.split_at_mut(front.update);
+    fn up<S: Simd>(&mut self, simd: S, front: &Front, vectors: &mut [PartOfVector<'_>]) {
+        let AtFront { symbolic, factors, start, above, buffer, .. } = self;
+        let (side, start) = (front.p + front.u, *start);
+        let buffer = &mut buffer[..side * vectors.len()];
         let rows = &symbolic.places.rows[front.rows.clone()];
-        let (mine, theirs) = rows.split_at(rows.partition_point(|&row| (row as usize) < end));
-        let (inside, beyond) = known.split_at_mut(mine.len());
-        for (&row, value) in mine.iter().zip(inside) {
-            *value = ordered[row as usize - start];
+        for (PartOfVector { own: ordered, outside }, at_front) in vectors.iter_mut().zip(buffer.chunks_exact_mut(side)) {
+            let (pivots, others) = at_front.split_at_mut(front.p);
+            let (known, padding) = others.split_at_mut(front.update);
+            let end = start + ordered.len();
+            let (mine, theirs) = rows.split_at(rows.partition_point(|&row| (row as usize) < end));
+            let (inside, beyond) = known.split_at_mut(mine.len());
+            for (&row, value) in mine.iter().zip(inside) {
+                *value = ordered[row as usize - start];
+            }
+            let mut k = 0;
+            for (&row, value) in theirs.iter().zip(beyond) {
+                k += above[k..].iter().take_while(|&&other| other < row).count();
+                *value = outside[k];
+            }
+            padding.fill(0.0);
+            pivots[..front.pivots].copy_from_slice(&ordered[front.first - start..][..front.pivots]);
+            pivots[front.pivots..].fill(0.0);
         }
-        let mut k = 0;
-        for (&row, value) in theirs.iter().zip(beyond) {
-            k += above[k..].iter().take_while(|&&other| other < row).count();
-            *value = outside[k];
-        }
-        padding.fill(0.0);
-        let own = &mut ordered[front.first - start..][..front.pivots];
-        let (inside, padding) = pivots.split_at_mut(front.pivots);
-        inside.copy_from_slice(own);
-        padding.fill(0.0);
         let factors = &factors[front.factors..][..front.length()];
         let (diagonal, beside) = factors.split_at(front.p * front.p);
-        substitute_upper(simd, diagonal, &beside[front.u * front.p..], pivots, others);
-        own.copy_from_slice(&pivots[..front.pivots]);
+        substitute_upper(simd, diagonal, &beside[front.u * front.p..], [front.p, front.u], buffer);
+        for (PartOfVector { own: ordered, .. }, at_front) in vectors.iter_mut().zip(buffer.chunks_exact(side)) {
+            ordered[front.first - start..][..front.pivots].copy_from_slice(&at_front[..front.pivots]);
+        }
     }
 }

@@ -1,10 +1,10 @@
 //! A recording: data for the animation of a run, kept beside the run and bounded in memory.
 //!
-//! At first, a *still* of every nominal step is kept; when there are more than allowed, every second one is dropped and the spacing
-//! doubles. The stills thus depend only on the steps, not on the clock, and memory is bounded. A still holds displacement, velocity and
-//! stress of all visible nodes (in space those of the hull, optionally also inner ones), the plastic strain of bodies with plasticity, and
-//! the quantities for which a script asks ([`FURTHER`]), as 16-bit numbers between the extremes of each component: an error of 1/131072 of
-//! the range. A simulation cannot be continued from a still.
+//! At first, a *still* of every nominal step is kept, or of every few if many steps are expected; when there are more than allowed, every
+//! second one is dropped and the spacing doubles. The stills thus depend only on the steps, not on the clock, and memory is bounded. A
+//! still holds displacement, velocity and stress of all visible nodes (in space those of the hull, optionally also inner ones), the plastic
+//! strain of bodies with plasticity, and the quantities for which a script asks ([`FURTHER`]), as 16-bit numbers between the extremes of
+//! each component: an error of 1/131072 of the range. A simulation cannot be continued from a still.
 //!
 //! Bytes of a still, body after body, little-endian: for each component its two extremes as f32; the high bytes of all components, then
 //! their low bytes, each value as the difference from the node before; the number of contact nodes (u32), their places among the nodes of
@@ -227,10 +227,12 @@ impl Recording {
         &self.stills
     }
 
-    /// Sets the initial spacing for an expected number of nominal steps; it is at most `FORESIGHT`, because a run may end early.
-    pub fn expect(&mut self, steps: f64) {
+    /// Sets the initial spacing for an expected number of nominal steps. It is at most `FORESIGHT`, because a run may end early; explicit
+    /// steps, of which a still takes as long as ten or twenty, begin with a spacing that leaves `FEWEST` stills.
+    pub fn expect(&mut self, steps: f64, is_explicit: bool) {
         if self.stills.len() <= 1 && self.steps == 0 && self.spacing == 1 {
-            while self.spacing < FORESIGHT && steps / self.spacing as f64 > self.most as f64 {
+            let (largest, most) = if is_explicit { (usize::MAX / 2, self.most.min(2 * FEWEST)) } else { (FORESIGHT, self.most) };
+            while self.spacing < largest && steps / self.spacing as f64 > most as f64 {
                 self.spacing *= 2;
             }
         }

@@ -14,8 +14,9 @@
 use std::array;
 use std::ops::{Add, Mul};
 
-use super::pair::{CORNERS, Gradients, Pair};
+use super::pair::{Gradients, Pair};
 use super::vectors::Vec3;
+use super::vertices::CORNERS;
 use crate::contact::faces;
 use crate::contact::numbers::Each;
 use crate::contact::search::PairSearch;

@@ -6,11 +6,12 @@
 
 use super::dual::{Duals, Shape};
 use super::gaps::Measure;
-use super::pair::{CORNERS, Gradients, NODES, Pair};
+use super::pair::{Gradients, Pair};
 use super::profiles::Profile;
 use super::second_order::ProxySurfacesInSpace;
 use super::slip::{self, Group, SlipsInSpace};
 use super::vectors::Vec3;
+use super::vertices::{CORNERS, NODES};
 use crate::contact::faces;
 use crate::contact::kernel::{CandidateSearch, ContactKernel, Correction, PatchFunctions, RigidObstacle, TangentSink};
 use crate::contact::numbers::Number;

@@ -17,23 +17,18 @@
 //! `b = -m x n / |N|`.
 //!
 //! A polygon depends on twelve plane coordinates and, without profiles, linearly on heights. One evaluation with derivatives by plane
-//! coordinates gives its part of the Hessian, which the chain rule then transforms to the node positions.
+//! coordinates, of which six follow from affine maps without profiles, gives its part of the Hessian, which the chain rule then transforms
+//! to the node positions.
 
 use std::ops::Mul;
 
 use super::closing::Closing;
-use super::polygon::{Polygon, VERTICES};
+use super::polygon::{Polygon, VERTICES, shares};
 use super::profiles::{Form, Profile, turned};
 use super::vectors::{Frame, Jet, LANES, Vec3, columns_into, cross, dot, jets, scaled, sub};
-use super::vertices::{Forces, PerTriangle};
-use crate::contact::numbers::{Each, Number};
+use super::vertices::{CORNERS, Forces, NODES, PerTriangle, shape_gradients};
+use crate::contact::numbers::{self, Each, Number};
 use crate::math::simd::{Kernel, dispatch};
-
-/// Largest number of nodes of a facet.
-pub const CORNERS: usize = 4;
-
-/// Largest number of nodes of a pair.
-pub const NODES: usize = 2 * CORNERS;
 
 /// Largest number of points of a pair: its nodes, then the mean points of both facets.
 const POINTS: usize = NODES + 2;
@@ -139,17 +134,27 @@ impl<T: Number> View<T> {
         at
     }
 
-    /// True if the bounding boxes of two triangles are disjoint.
+    /// Least and largest plane coordinate of some points.
     #[inline(always)]
-    fn are_apart(&self, [secondary, primary]: &PerTriangle<usize>) -> bool {
-        (0..2).any(|axis| {
-            let range = |of: &[usize; 3]| {
-                let at = of.map(|k| self.p[k][axis].re());
-                (at[0].min(at[1]).min(at[2]), at[0].max(at[1]).max(at[2]))
-            };
-            let (own, other) = (range(secondary), range(primary));
-            own.0 >= other.1 || other.0 >= own.1
-        })
+    fn range(&self, points: impl Iterator<Item = usize>, axis: usize) -> (f64, f64) {
+        let mut range = (f64::INFINITY, f64::NEG_INFINITY);
+        for point in points {
+            let at = self.p[point][axis].re();
+            range = (at.min(range.0), at.max(range.1));
+        }
+        range
+    }
+
+    /// True if the bounding boxes of two sets of points, one of each side, are disjoint.
+    #[inline(always)]
+    fn are_apart(&self, secondary: impl Iterator<Item = usize> + Clone, primary: impl Iterator<Item = usize> + Clone) -> bool {
+        for axis in 0..2 {
+            let (own, other) = (self.range(secondary.clone(), axis), self.range(primary.clone(), axis));
+            if own.0 >= other.1 || other.0 >= own.1 {
+                return true;
+            }
+        }
+        false
     }
 
     /// Transforms derivatives with respect to plane coordinates and heights to the node positions.
@@ -187,12 +192,16 @@ impl<T: Number> Pair<T> {
     #[inline(always)]
     pub fn new(x: &[Vec3<T>], counts: [usize; 2]) -> Option<Self> {
         let (view, mut polygons, [own, other]) = (View::new(x, counts)?, Vec::new(), counts);
+        if view.are_apart(0..own, own..own + other) {
+            return Some(Pair { view, polygons });
+        }
+        polygons.reserve(own * other);
         let mut polygon = Polygon::empty();
         for secondary in triangles(own, 0, NODES) {
             for [a, b, c] in triangles(other, own, NODES + 1) {
                 // Projected primary triangles have the opposite orientation, so that two corners are exchanged.
                 let corners = [secondary, [b, a, c]];
-                if !view.are_apart(&corners) && polygon.set(corners, &view.places(&corners)) {
+                if !view.are_apart(corners[0].into_iter(), corners[1].into_iter()) && polygon.set(corners, &view.places(&corners)) {
                     polygons.push(polygon.clone());
                 }
             }
@@ -358,16 +367,98 @@ struct Hessian<'a> {
 /// Number of plane coordinates and heights of all points.
 const SEEN: usize = 3 * POINTS;
 
-/// Forces on plane coordinates and heights, and their derivatives with respect to these.
+/// Number with its derivatives with respect to the plane coordinates of a primary triangle.
+type OfPrimary = numbers::Jet<{ LANES / 2 }>;
+
+/// Derivatives of forces with respect to plane coordinates and heights, and the forces.
 struct Stiffness {
     rows: [[f64; SEEN]; SEEN],
     forces: [f64; SEEN],
 }
 
 impl Stiffness {
-    /// Adds the contribution of a polygon.
+    /// Adds the contribution of a polygon of flat triangles.
+    ///
+    /// `Phi` is `det A` times as large where an affine map `A` moves the corners of both triangles, and forces are `det A A^-T` times as
+    /// large. The maps that move one secondary corner `j` and leave the other two, `x + v N_j(x)`, hence give the derivatives with respect
+    /// to that corner from those with respect to the primary ones, `d F = (grad N_j.v) F - grad N_j (v.F) - sum_m N_j(m) v dF/dm`.
     #[inline(always)]
-    fn add(&mut self, pair: &Pair<f64>, polygon: &Polygon<f64>, jets: &mut Polygon<Jet>, weights: &[f64; 3], band: f64) {
+    fn add_flat(&mut self, pair: &Pair<f64>, polygon: &Polygon<f64>, jets: &mut Polygon<OfPrimary>, weights: &[f64; 3], band: f64) {
+        let (corners, zero) = (&polygon.corners, OfPrimary::from(0.0));
+        let (places, heights) = (pair.view.places(corners), pair.heights(corners));
+        let mut unknowns = [[[zero; 2]; 3]; 2];
+        for lane in 0..LANES {
+            let (side, j, i) = (lane / 6, lane / 2 % 3, lane % 2);
+            unknowns[side][j][i] = OfPrimary::unknown(places[side][j][i], lane.checked_sub(6));
+        }
+        if !jets.set(*corners, &unknowns) {
+            return;
+        }
+        let Forces { of_p, of_h } = jets.forces(&unknowns, &heights, &None, weights, band);
+        let gradients = shape_gradients(&places[0], polygon.areas[0]);
+        let inverse = polygon.areas[0].recip();
+        let beyond = [0, 1, 2].map(|m| shares(&places[0], inverse, &places[1][m]));
+        for (&point, (p, h)) in corners.as_flattened().iter().zip(of_p.as_flattened().iter().zip(of_h.as_flattened())) {
+            for (i, force) in [p[0], p[1], *h].into_iter().enumerate() {
+                self.forces[3 * point + i] += force.re;
+                let mut derivatives = [[[0.0; 2]; 3]; 2];
+                for j in 0..3 {
+                    for a in 0..2 {
+                        derivatives[1][j][a] = force.eps[2 * j + a];
+                        let mut of_map = gradients[j][a] * force.re;
+                        if i < 2 {
+                            of_map -= gradients[j][i] * p[a].re;
+                        }
+                        for m in 0..3 {
+                            of_map -= beyond[m][j] * force.eps[2 * m + a];
+                        }
+                        derivatives[0][j][a] = of_map;
+                    }
+                }
+                self.add_row(3 * point + i, corners, derivatives.as_flattened().as_flattened());
+            }
+        }
+        self.add_passed(polygon, &None, weights, band);
+    }
+
+    /// Adds derivatives of a force with respect to the plane coordinates of the corners of both triangles, and those of forces in the plane
+    /// with respect to a height, which are equal.
+    #[inline(always)]
+    fn add_row(&mut self, row: usize, corners: &PerTriangle<usize>, derivatives: &[f64]) {
+        let points = corners.as_flattened();
+        for lane in 0..LANES {
+            let column = 3 * points[lane / 2] + lane % 2;
+            self.rows[row][column] += derivatives[lane];
+            if row % 3 == 2 {
+                self.rows[column][row] += derivatives[lane];
+            }
+        }
+    }
+
+    /// Adds the derivatives of forces that pass between edges with respect to heights.
+    #[inline(always)]
+    fn add_passed(&mut self, polygon: &Polygon<f64>, closing: &Option<Closing<f64>>, weights: &[f64; 3], band: f64) {
+        if band > 0.0 {
+            let points = polygon.corners.as_flattened();
+            for (row, derivatives) in polygon.passed(closing, weights, band).into_iter().enumerate() {
+                for (&point, derivative) in points.iter().zip(derivatives) {
+                    self.rows[3 * points[row / 2] + row % 2][3 * point + 2] += derivative;
+                }
+            }
+        }
+    }
+
+    /// Adds the contribution of a polygon with height profiles.
+    #[inline(always)]
+    fn add_curved(
+        &mut self,
+        pair: &Pair<f64>,
+        polygon: &Polygon<f64>,
+        forms: [Form; 2],
+        jets: &mut Polygon<Jet>,
+        weights: &[f64; 3],
+        band: f64,
+    ) {
         let (corners, zero) = (&polygon.corners, Jet::from(0.0));
         let (places, heights) = (pair.view.places(corners), pair.heights(corners));
         let mut unknowns = [[[zero; 2]; 3]; 2];
@@ -378,35 +469,19 @@ impl Stiffness {
         if !jets.set(*corners, &unknowns) {
             return;
         }
-        let forms = pair.view.forms(corners);
-        let closing = forms.map(|forms| Closing::new(&jets.areas, &unknowns, &heights, forms));
+        let closing = Some(Closing::new(&jets.areas, &unknowns, &heights, forms));
         let Forces { of_p, of_h } = jets.forces(&unknowns, &heights, &closing, weights, band);
-        let points = corners.as_flattened();
-        for (&point, (p, h)) in points.iter().zip(of_p.as_flattened().iter().zip(of_h.as_flattened())) {
+        for (&point, (p, h)) in corners.as_flattened().iter().zip(of_p.as_flattened().iter().zip(of_h.as_flattened())) {
             for (i, force) in [p[0], p[1], *h].into_iter().enumerate() {
                 self.forces[3 * point + i] += force.re;
-                for lane in 0..LANES {
-                    let column = 3 * points[lane / 2] + lane % 2;
-                    self.rows[3 * point + i][column] += force.eps[lane];
-                    if i == 2 {
-                        self.rows[column][3 * point + 2] += force.eps[lane];
-                    }
-                }
+                self.add_row(3 * point + i, corners, &force.eps);
             }
         }
-        let closing = forms.map(|forms| Closing::new(&polygon.areas, &places, &heights, forms));
-        if let Some(closing) = &closing {
-            for (&row, derivatives) in corners[1].iter().zip(closing.by_heights(polygon.vertices(), weights)) {
-                corners[1].iter().zip(derivatives).for_each(|(&column, derivative)| self.rows[3 * row + 2][3 * column + 2] += derivative);
-            }
+        let closing = Closing::new(&polygon.areas, &places, &heights, forms);
+        for (&row, derivatives) in corners[1].iter().zip(closing.by_heights(polygon.vertices(), weights)) {
+            corners[1].iter().zip(derivatives).for_each(|(&column, derivative)| self.rows[3 * row + 2][3 * column + 2] += derivative);
         }
-        if band > 0.0 {
-            for (row, derivatives) in polygon.passed(&closing, weights, band).into_iter().enumerate() {
-                for (&point, derivative) in points.iter().zip(derivatives) {
-                    self.rows[3 * points[row / 2] + row % 2][3 * point + 2] += derivative;
-                }
-            }
-        }
+        self.add_passed(polygon, &Some(closing), weights, band);
     }
 
     /// Distributes the rows and columns of the mean points to the nodes.
@@ -438,9 +513,17 @@ impl Kernel for Hessian<'_> {
         let Hessian { pair, weights, band, share, out } = self;
         let view = &pair.view;
         let mut stiffness = Stiffness { rows: [[0.0; SEEN]; SEEN], forces: [0.0; SEEN] };
-        let mut jets_of_polygon = Polygon::empty();
-        for polygon in &pair.polygons {
-            stiffness.add(pair, polygon, &mut jets_of_polygon, &view.weights(polygon.corners[0], weights), band);
+        if view.profiles.is_some() {
+            let mut jets = Polygon::empty();
+            for polygon in &pair.polygons {
+                let Some(forms) = view.forms(&polygon.corners) else { continue };
+                stiffness.add_curved(pair, polygon, forms, &mut jets, &view.weights(polygon.corners[0], weights), band);
+            }
+        } else {
+            let mut jets = Polygon::empty();
+            for polygon in &pair.polygons {
+                stiffness.add_flat(pair, polygon, &mut jets, &view.weights(polygon.corners[0], weights), band);
+            }
         }
         stiffness.fold(view);
         let count = view.counts[0] + view.counts[1];

@@ -10,13 +10,14 @@
 //!
 //! over the polygon edges (normals `nu`) on the triangle's own border. At nearly coinciding edges of both triangles these forces pass
 //! gradually from one to the other, which removes the kink of the gradient; a discrete gradient is exact for any gradient that it corrects.
+//! Forces on edges between triangles of one facet are left out between flat triangles: those of both polygons there cancel.
 //!
 //! All called functions are inlined and arrays are filled by loops; otherwise they are compiled without the wide registers of the caller.
 
 use std::ops::Mul;
 
 use super::closing::Closing;
-use super::vertices::{Forces, PerTriangle, PolygonBorder, Vertex, sides, slope};
+use super::vertices::{Forces, NODES, PerTriangle, PolygonBorder, Vertex, sides, slope};
 use crate::contact::numbers::Number;
 use crate::math::tolerances::FACING_AREA;
 
@@ -28,6 +29,7 @@ pub const VERTICES: usize = 9;
 struct Corner<T> {
     p: [T; 2],
     border: PolygonBorder,
+    is_inner: bool,
 }
 
 /// Part of a primary triangle inside of a secondary one.
@@ -47,10 +49,10 @@ fn area<T: Number>(a: &[T; 2], b: &[T; 2], c: &[T; 2]) -> T {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
 
-/// Clips a polygon to the left of a line; `side` is the position of its corners relative to the line, positive on the left. Returns the new
-/// number of corners.
+/// Clips a polygon to the left of a line; `side` is the position of its corners relative to the line, positive on the left, and `is_inner`
+/// tells that the line lies between two secondary triangles. Returns the new number of corners.
 #[inline(always)]
-fn clip<T: Number>(old: &[Corner<T>], side: &[T; VERTICES], new: &mut [Corner<T>; VERTICES]) -> usize {
+fn clip<T: Number>(old: &[Corner<T>], side: &[T; VERTICES], is_inner: bool, new: &mut [Corner<T>; VERTICES]) -> usize {
     let mut left = 0;
     for k in 0..old.len() {
         let next = if k + 1 == old.len() { 0 } else { k + 1 };
@@ -65,8 +67,9 @@ fn clip<T: Number>(old: &[Corner<T>], side: &[T; VERTICES], new: &mut [Corner<T>
             let share = side[k] * (side[k] - side[next]).recip();
             let (from, to) = (&old[k].p, &old[next].p);
             new[left].p = [from[0] + share * (to[0] - from[0]), from[1] + share * (to[1] - from[1])];
-            // At the point where the polygon leaves the half plane, its next edge lies on the clipping line.
-            new[left].border = if is_in { PolygonBorder::Secondary } else { old[k].border };
+            // Where the polygon leaves the half plane, its next side lies on the line.
+            (new[left].border, new[left].is_inner) =
+                if is_in { (PolygonBorder::Secondary, is_inner) } else { (old[k].border, old[k].is_inner) };
             left += 1;
         }
     }
@@ -75,7 +78,7 @@ fn clip<T: Number>(old: &[Corner<T>], side: &[T; VERTICES], new: &mut [Corner<T>
 
 /// Shape functions of a triangle at a point; `inverse` is 1 over twice its area.
 #[inline(always)]
-fn shares<T: Number>([a, b, c]: &[[T; 2]; 3], inverse: T, p: &[T; 2]) -> [T; 3] {
+pub fn shares<T: Number>([a, b, c]: &[[T; 2]; 3], inverse: T, p: &[T; 2]) -> [T; 3] {
     [area(b, c, p) * inverse, area(c, a, p) * inverse, area(a, b, p) * inverse]
 }
 
@@ -122,7 +125,8 @@ impl<T: Number> Polygon<T> {
     #[inline(always)]
     pub fn empty() -> Self {
         let zero = T::from(0.0);
-        let vertex = Vertex { p: [zero; 2], of_secondary: [zero; 3], of_primary: [zero; 3], border: PolygonBorder::Primary, fan: zero };
+        let (border, is_inner) = (PolygonBorder::Primary, false);
+        let vertex = Vertex { p: [zero; 2], of_secondary: [zero; 3], of_primary: [zero; 3], border, is_inner, fan: zero };
         Polygon { corners: [[0; 3]; 2], areas: [zero; 2], vertices: [vertex; VERTICES], count: 0 }
     }
 
@@ -135,19 +139,21 @@ impl<T: Number> Polygon<T> {
         if areas[0].re() <= 0.0 || areas[1].re() <= FACING_AREA * areas[0].re() {
             return false;
         }
-        let corner = |p: &[T; 2]| Corner { p: *p, border: PolygonBorder::Primary };
-        let mut first = [corner(m_0); VERTICES];
-        (first[1], first[2]) = (corner(m_1), corner(m_2));
+        // The third corner may be the mean point of a facet, between whose triangles the second and the third side lie.
+        let [on_secondary, on_primary] = [corners[0][2] >= NODES, corners[1][2] >= NODES];
+        let corner = |p: &[T; 2], is_inner: bool| Corner { p: *p, border: PolygonBorder::Primary, is_inner };
+        let mut first = [corner(m_0, false); VERTICES];
+        (first[1], first[2]) = (corner(m_1, on_primary), corner(m_2, on_primary));
         let mut second = first;
         let (mut now, mut next, mut count) = (&mut first, &mut second, 3);
-        for [from, to] in [[s_0, s_1], [s_1, s_2], [s_2, s_0]] {
+        for (from, to, is_inner) in [(s_0, s_1, false), (s_1, s_2, on_secondary), (s_2, s_0, on_secondary)] {
             let (mut side, mut is_cut) = ([T::from(0.0); VERTICES], false);
             for k in 0..count {
                 side[k] = area(from, to, &now[k].p);
                 is_cut |= side[k].re() < 0.0;
             }
             if is_cut {
-                count = clip(&now[..count], &side, next);
+                count = clip(&now[..count], &side, is_inner, next);
                 std::mem::swap(&mut now, &mut next);
             }
             if count < 3 {
@@ -158,7 +164,7 @@ impl<T: Number> Polygon<T> {
         (self.corners, self.areas, self.count) = (corners, areas, count);
         for k in 0..count {
             let (vertex, p) = (&mut self.vertices[k], &now[k].p);
-            (vertex.p, vertex.border) = (*p, now[k].border);
+            (vertex.p, vertex.border, vertex.is_inner) = (*p, now[k].border, now[k].is_inner);
             vertex.of_secondary = shares(&places[0], inverse[0], p);
             vertex.of_primary = shares(&places[1], inverse[1], p);
             vertex.fan = area(&now[0].p, p, &now[if k + 1 == count { 0 } else { k + 1 }].p);
@@ -291,6 +297,9 @@ impl<T: Number> Polygon<T> {
         }
         for k in 0..self.count {
             let (ends, [a, b]) = self.edge(k);
+            if ends[0].is_inner && closing.is_none() {
+                continue;
+            }
             let outward = outward(ends);
             let mut edge = along_edge([weight[a], weight[b]], [gap[a], gap[b]]);
             if let Some(closing) = closing {
@@ -319,6 +328,9 @@ impl Polygon<f64> {
         let weight: [f64; VERTICES] = self.weights(weights);
         for k in 0..self.count {
             let (ends, [a, b]) = self.edge(k);
+            if ends[0].is_inner && closing.is_none() {
+                continue;
+            }
             let EdgeOwner { side, share: Some(share) } = self.bearer(ends, band) else { continue };
             for (column, (from, up)) in [(0, -share), (1, share)].into_iter().flat_map(|of| [of; 3]).enumerate() {
                 let gap = ends.map(|end| up * end.shape(from)[column % 3]);

@@ -12,7 +12,8 @@
 
 use nalgebra::Matrix3;
 
-use super::pair::{CORNERS, NODES, Pair};
+use super::pair::Pair;
+use super::vertices::{CORNERS, NODES};
 use crate::contact::faces;
 use crate::contact::search::Candidates;
 use crate::contact::surface::{Sides, Surface};

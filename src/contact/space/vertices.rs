@@ -5,14 +5,21 @@ use std::ops::Mul;
 use super::vectors::sub;
 use crate::contact::numbers::Number;
 
-/// Corner of a polygon: plane coordinates `p`, shape functions of both triangles there, border on which the following edge lies, and `fan`:
-/// twice the area of the triangle of this, the next and the first corner.
+/// Largest number of nodes of a facet.
+pub const CORNERS: usize = 4;
+
+/// Largest number of nodes of a pair; points with higher indices are the mean points of facets.
+pub const NODES: usize = 2 * CORNERS;
+
+/// Corner of a polygon, shape functions of both triangles there, and twice the area of the triangle to the next and the first corner.
 #[derive(Clone, Copy)]
 pub struct Vertex<T> {
     pub p: [T; 2],
     pub of_secondary: [T; 3],
     pub of_primary: [T; 3],
     pub border: PolygonBorder,
+    /// True if the edge that starts there lies between two triangles of one facet.
+    pub is_inner: bool,
     pub fan: T,
 }
 

@@ -119,7 +119,9 @@ impl Artifacts {
     pub fn begin(&mut self, simulation: &Simulation, end: Option<f64>) -> Result<(), Failure> {
         let begun = Instant::now();
         self.recording.begin(simulation, self.csv.rows() - 1);
-        self.recording.expect(end.map_or(0.0, |end| (end - simulation.time()) / simulation.options().dt));
+        let options = simulation.options();
+        let steps = end.map_or(0.0, |end| (end - simulation.time()) / options.dt);
+        self.recording.expect(steps, options.integrator.lumping().is_some());
         self.show_stills();
         self.spent += begun.elapsed();
         if self.series.last().is_none() { self.frame(simulation) } else { Ok(()) }
