@@ -8,9 +8,10 @@
 //! C = B_1 + B_2 (1 + |mu|^2/2) - B_2 mu.grad B_2,      mu = m/(1 + |m|^2/2)                     [length]
 //! ```
 //!
-//! A point of the primary curve at the height `B` over `xi` projects to `xi + m B/c`, lower than the triangle there by `c B`, `c^2 = 1 +
-//! |m|^2`. `C` equals `B_1 + c B_2(p - m B_2/c)` to second order in `m`; the bounded `mu` keeps steep pairs finite. On a polygon `C` is a
-//! cubic polynomial, so that a rule of degree four and three Gauss points per edge are exact for every subdivision of the polygon.
+//! A point of the primary curve at the height `B` over `xi` projects to `xi + m B/c`, lower than the triangle there by `c B`,
+//! `c^2 = 1 + |m|^2`. `C` equals `B_1 + c B_2(p - m B_2/c)` to second order in `m`; the bounded `mu` keeps steep pairs finite. On a polygon
+//! `C` is a cubic polynomial, so that a rule of degree four and three Gauss points per edge are exact for every subdivision of the polygon.
+//! Forces follow from the moments of `W` in the shape functions of both sides, so that points have few operations.
 //!
 //! The profiles contribute `-int W C dA` to `Phi`. With `q_k = mu.grad M_k`, `e = 1 + |mu|^2/2 - sum q_k dB_2/dM_k`, `A = int W B_2`, `Q =
 //! -int W B_2 grad B_2` and `G = (d mu/d m)(A mu + Q)`, the derivatives of this contribution, without those of the polygon's edges
@@ -57,10 +58,12 @@ pub struct Closing<T> {
     slope: [T; 2],
     per: T,
     mu: [T; 2],
-    /// `even`: `1 + |mu|^2/2`; `q`: `q_k`; `r`: `2 sum_k b_ik q_k` with the coefficients `b` of the primary profile.
-    even: T,
     q: [T; 3],
-    r: [T; 3],
+    /// Differences of `2 sum_k b_ik q_k` with the coefficients `b` of the primary form.
+    tilts: [T; 2],
+    /// Height profiles, and the affine function `e`.
+    heights: [Quadratic<f64>; 2],
+    factor: [T; 3],
 }
 
 /// Pair of values, one per side, secondary first.
@@ -78,15 +81,80 @@ struct Integrals<T, R> {
     tilt: [R; 2],
 }
 
+/// Polynomial of second degree in two of the shape functions of a triangle, the first of which follows: coefficients of
+/// `1, x, y, x^2, x y, y^2`.
+#[derive(Clone, Copy)]
+struct Quadratic<T>([T; 6]);
+
+/// Places of `x` and of `y` times the terms of a [`Quadratic`] among `1, x, y, x^2, x y, y^2, x^3, x^2 y, x y^2, y^3`.
+const TIMES: [[usize; 6]; 2] = [[1, 3, 4, 6, 7, 8], [2, 4, 5, 7, 8, 9]];
+
+impl Quadratic<f64> {
+    /// Height profile of a triangle.
+    #[inline(always)]
+    fn of_form(&[a, b, c, ab, bc, ca]: &Form) -> Self {
+        Quadratic([a, 2.0 * (ab - a), 2.0 * (ca - a), a + b - 2.0 * ab, 2.0 * (a + bc - ab - ca), a + c - 2.0 * ca])
+    }
+
+    #[inline(always)]
+    fn at<T: Number>(&self, [x, y]: [T; 2]) -> T {
+        let c = &self.0;
+        (x * c[3] + y * c[4] + c[1]) * x + (y * c[5] + c[2]) * y + c[0]
+    }
+
+    /// Derivatives by `x` and by `y`: coefficients of `1, x, y`.
+    #[inline(always)]
+    fn rises(&self) -> [[f64; 3]; 2] {
+        let c = &self.0;
+        [[c[1], 2.0 * c[3], c[4]], [c[2], c[4], 2.0 * c[5]]]
+    }
+}
+
+impl<T: Number> Quadratic<T> {
+    /// Product of two affine functions.
+    #[inline(always)]
+    fn product(a: &[f64; 3], b: &[T; 3]) -> Self {
+        Quadratic([b[0] * a[0], b[1] * a[0] + b[0] * a[1], b[2] * a[0] + b[0] * a[2], b[1] * a[1], b[2] * a[1] + b[1] * a[2], b[2] * a[2]])
+    }
+
+    /// Integral from moments of the terms, which are at `places`.
+    #[inline(always)]
+    fn integral<R: Number + Mul<T, Output = R>, const N: usize>(&self, moments: &[R; N], places: [usize; 6]) -> R {
+        let mut sum = moments[places[0]] * self.0[0];
+        for term in 1..6 {
+            sum += moments[places[term]] * self.0[term];
+        }
+        sum
+    }
+
+    /// Integrals of the polynomial times the three shape functions.
+    #[inline(always)]
+    fn by_shapes<R: Number + Mul<T, Output = R>>(&self, moments: &[R; 10]) -> [R; 3] {
+        let [of_x, of_y] = [self.integral(moments, TIMES[0]), self.integral(moments, TIMES[1])];
+        [self.integral(moments, [0, 1, 2, 3, 4, 5]) - of_x - of_y, of_x, of_y]
+    }
+}
+
+/// Adds moments `1, x, y, x^2, x y, y^2` and, for ten of them, those of third degree.
+#[inline(always)]
+fn add_moments<T: Copy, R: Number + Mul<T, Output = R>, const N: usize>(moments: &mut [R; N], weight: R, [x, y]: [T; 2]) {
+    let (of_x, of_y) = (weight * x, weight * y);
+    let (xx, yy) = (of_x * x, of_y * y);
+    let parts = [weight, of_x, of_y, xx, of_x * y, yy];
+    for k in 0..6 {
+        moments[k] += parts[k];
+    }
+    if N == 10 {
+        let parts = [xx * x, xx * y, yy * x, yy * y];
+        for k in 0..4 {
+            moments[6 + k] += parts[k];
+        }
+    }
+}
+
 #[inline(always)]
 fn plane_product<T: Copy, R: Number + Mul<T, Output = R>>(a: [R; 2], b: [T; 2]) -> R {
     a[0] * b[0] + a[1] * b[1]
-}
-
-/// Differences of the second and third number from the first one.
-#[inline(always)]
-fn differences<T: Number>(of: &[T; 3]) -> [T; 2] {
-    [of[1] - of[0], of[2] - of[0]]
 }
 
 /// Shape functions of both triangles at a point, given by its area coordinates in three corners of a polygon.
@@ -119,21 +187,20 @@ impl<T: Number> Closing<T> {
         for k in 0..3 {
             q[k] = plane_product(mu, gradients[1][k]);
         }
-        let even = plane_product(mu, mu) * 0.5 + 1.0;
-        Closing { forms, gradients, slope, per, mu, even, q, r: derivatives(&forms[1], &q) }
-    }
-
-    /// Factor `e` of the primary height, from the derivatives of the primary profile.
-    #[inline(always)]
-    fn factor(&self, rises: &[T; 3]) -> T {
-        self.even - (self.q[0] * rises[0] + self.q[1] * rises[1] + self.q[2] * rises[2])
+        let heights = [Quadratic::of_form(&forms[0]), Quadratic::of_form(&forms[1])];
+        let ([by_x, by_y], r) = (heights[1].rises(), derivatives(&forms[1], &q));
+        let mut factor = [plane_product(mu, mu) * 0.5 + 1.0, zero, zero];
+        for term in 0..3 {
+            factor[term] += -(q[1] * by_x[term] + q[2] * by_y[term]);
+        }
+        Closing { forms, gradients, slope, per, mu, q, tilts: [r[1] - r[0], r[2] - r[0]], heights, factor }
     }
 
     /// Closed part `C` of the gap at a point.
     #[inline(always)]
     fn at(&self, [l, m]: &PerTriangle<T>) -> T {
-        let [own, other] = [derivatives(&self.forms[0], l), derivatives(&self.forms[1], m)];
-        value(&own, l) + value(&other, m) * self.factor(&other)
+        let e = &self.factor;
+        self.heights[0].at([l[1], l[2]]) + self.heights[1].at([m[1], m[2]]) * (e[1] * m[1] + e[2] * m[2] + e[0])
     }
 
     /// Integrals `int C N_j dA` over a polygon.
@@ -159,31 +226,42 @@ impl<T: Number> Closing<T> {
         R: Number + Mul<T, Output = R>,
     {
         let (zero, none) = (R::from(0.0), T::from(0.0));
-        let mut sums = Integrals { of_slopes: [[[zero; 2]; 3]; 2], closed: [none; 3], height: zero, tilt: [zero; 2] };
+        let (mut own, mut other, mut closed) = ([zero; 6], [zero; 10], [none; 3]);
         for k in 1..vertices.len() - 1 {
             for (at, share) in &POINTS {
                 let [l, m] = shapes([&vertices[0], &vertices[k], &vertices[k + 1]], at);
                 let area = vertices[k].fan * (0.5 * share);
                 let weight = (weights[0] * l[0] + weights[1] * l[1] + weights[2] * l[2]) * area;
-                let [own, other] = [derivatives(&self.forms[0], &l), derivatives(&self.forms[1], &m)];
-                let (height, factor) = (value(&other, &m), self.factor(&other));
-                let closed = (value(&own, &l) + height * factor) * area;
-                let (own, rises, tilts) = (differences(&own), differences(&other), differences(&self.r));
-                let weighted = weight * height;
-                sums.height += weighted;
-                let mut of_primary = [none; 2];
-                for i in 0..2 {
-                    sums.tilt[i] -= weighted * rises[i];
-                    of_primary[i] = rises[i] * factor - height * tilts[i];
-                }
-                for j in 0..3 {
-                    sums.closed[j] += closed * l[j];
-                    let parts = [weight * l[j], weight * m[j]];
-                    for i in 0..2 {
-                        sums.of_slopes[0][j][i] += parts[0] * own[i];
-                        sums.of_slopes[1][j][i] += parts[1] * of_primary[i];
-                    }
-                }
+                add_moments(&mut own, weight, [l[1], l[2]]);
+                add_moments(&mut other, weight, [m[1], m[2]]);
+                let part = self.at(&[l, m]) * area;
+                closed[0] += part;
+                closed[1] += part * l[1];
+                closed[2] += part * l[2];
+            }
+        }
+        closed[0] += -(closed[1] + closed[2]);
+        let (rises, height) = ([self.heights[0].rises(), self.heights[1].rises()], &self.heights[1].0);
+        let mut of_height = other[0] * height[0];
+        for term in 1..6 {
+            of_height += other[term] * height[term];
+        }
+        let mut sums = Integrals { of_slopes: [[[zero; 2]; 3]; 2], closed, height: of_height, tilt: [zero; 2] };
+        for i in 0..2 {
+            let [a, by_x, by_y] = rises[0][i];
+            let of = |places: [usize; 3]| own[places[0]] * a + own[places[1]] * by_x + own[places[2]] * by_y;
+            let [whole, of_x, of_y] = [of([0, 1, 2]), of([1, 3, 4]), of([2, 4, 5])];
+            let mut slope = Quadratic::product(&rises[1][i], &self.factor);
+            for term in 0..6 {
+                slope.0[term] += -(self.tilts[i] * height[term]);
+                let [a, by_x, by_y] = rises[1][i];
+                let [x, y] = [TIMES[0][term], TIMES[1][term]];
+                sums.tilt[i] += -((other[term] * a + other[x] * by_x + other[y] * by_y) * height[term]);
+            }
+            let [own, other] = [[whole - of_x - of_y, of_x, of_y], slope.by_shapes(&other)];
+            for j in 0..3 {
+                sums.of_slopes[0][j][i] = own[j];
+                sums.of_slopes[1][j][i] = other[j];
             }
         }
         sums

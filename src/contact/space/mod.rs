@@ -3,6 +3,7 @@
 mod closing;
 mod corners;
 mod corners_of_obstacles;
+mod curved_face;
 #[cfg(test)]
 mod depth_study;
 mod dual;

@@ -12,7 +12,7 @@
 //! Spheres and circles are exact solutions. With too few neighbors at a border, `t` and `k` have minimum norm. Along an edge `e` of a facet
 //! with the normal `n` from node `i` to node `j` the angles `sin a = e.(n - n_i)/|e|` and `e.(n_j - n)/|e|` have the mean `a`, at most
 //! twice the smaller one and zero for different signs: an isolated kink is not taken for curvature. At a border one angle stands for both.
-//! Faces of second order have normals of their own at all their nodes, which need no neighbors.
+//! Faces of second order have normals of their own at all their nodes (`curved_face.rs`), which stand at borders and at kinks.
 //! The sagitta `s_e = |e| a (1 + 2 a^2/15 + ..)/4` preserves the area of the circular segment. The height is quadratic over the facet with
 //! the mean `sum_e s_e/3`, and constant in facet coordinates, so that the surface moves with the facet.
 
@@ -36,6 +36,10 @@ const ONWARDS: f64 = 0.3;
 
 /// Relative singular value of the fit of a quadric below which the corresponding direction is undetermined.
 const OPEN: f64 = 0.05;
+
+/// Largest difference of the normals of a face of second order from those of the surface, over the turn along a facet, up to which the
+/// face continues its neighbors.
+const AGREEING: f64 = 0.2;
 
 /// Quadratic height over a triangle with the shape functions `L_i`, `sum b_ij L_i L_j`: `b_00, b_11, b_22, b_01, b_12, b_20` `[length]`,
 /// outwards.
@@ -231,7 +235,7 @@ struct Facets<'a> {
 /// Height profiles of the facets of a surface between the points `seen`, which represent points of the curve at `truth`. `of_faces`:
 /// normals of faces of second order at the corners of their facets, empty for faces of first order.
 pub fn profiles(surface: &Surface, seen: &[f64], truth: &[f64], of_faces: &[Option<[Vector; 4]>]) -> Vec<Profile> {
-    let facets = Facets { of_faces, ..Facets::new(surface, truth, SMOOTH) };
+    let facets = Facets::new(surface, truth, SMOOTH).with_faces(of_faces);
     (0..surface.count()).map(|facet| facets.profile(facet, seen)).collect()
 }
 
@@ -257,8 +261,45 @@ impl<'a> Facets<'a> {
         facets
     }
 
-    /// Facets around a node that continue a facet smoothly, including the facet itself: connected to it by edges along which facets turn by
-    /// at most the largest angle of a curve. Across a node where three facets meet, facets of a sphere turn by up to 1.4 times that.
+    /// Adds the normals of faces of second order, which stand at borders and where faces do not continue each other.
+    fn with_faces(mut self, of_faces: &'a [Option<[Vector; 4]>]) -> Self {
+        self.of_faces = of_faces;
+        if !of_faces.is_empty() {
+            self.at_nodes = (0..self.at_nodes.len()).map(|node| self.common_normal(node, self.at_nodes[node]?)).collect();
+        }
+        self
+    }
+
+    /// Normal of the surface at a node of faces of second order: `fitted` inside of the surface, the mean of the faces' normals at its
+    /// border; `None` where they do not agree.
+    fn common_normal(&self, node: usize, fitted: Vector) -> Option<Vector> {
+        let place = |facet: usize| self.surface.local_facet(facet).iter().position(|&other| other as usize == node).unwrap_or(0);
+        let around: Vec<usize> = self.surface.adjacent_facets(node).iter().map(|&facet| facet as usize).collect();
+        let of_faces = || around.iter().filter_map(|&facet| self.of_face(facet, place(facet)));
+        let normal = if self.is_inside(node) { fitted } else { of_faces().sum::<Vector>().try_normalize(0.0)? };
+        let agrees = |&facet: &usize| {
+            let (Some(corners), k) = (self.of_faces[facet], place(facet)) else { return true };
+            let turns = corners[..self.surface.facet(facet).len()].iter().map(|other| (other - corners[k]).norm());
+            (corners[k] - normal).norm() <= AGREEING * turns.fold(0.0, f64::max)
+        };
+        around.iter().all(agrees).then_some(normal)
+    }
+
+    /// True if facets surround a node.
+    fn is_inside(&self, node: usize) -> bool {
+        let own = self.surface.nodes()[node];
+        let mut ends: Vec<u32> = Vec::new();
+        for &facet in self.surface.adjacent_facets(node) {
+            let nodes = self.surface.facet(facet as usize);
+            let place = nodes.iter().position(|&other| other == own).unwrap_or(0);
+            ends.extend([1, nodes.len() - 1].map(|step| nodes[(place + step) % nodes.len()]));
+        }
+        ends.sort_unstable();
+        ends.chunk_by(|a, b| a == b).all(|same| same.len() == 2)
+    }
+
+    /// Facets around a node that continue a facet smoothly, including itself: connected to it by edges along which facets turn by at most
+    /// the largest angle of a curve. Across a node where three facets meet, facets of a sphere turn by up to 1.4 times that.
     fn connected(&self, facet: usize, node: usize) -> Vec<usize> {
         let own = self.surface.nodes()[node];
         let widest = (SQRT_2 * self.smooth.acos()).cos();
@@ -300,11 +341,9 @@ impl<'a> Facets<'a> {
 
     /// Surface normal at corner `k` of a facet.
     fn normal(&self, facet: usize, k: usize) -> Vector {
-        if let Some(normal) = self.of_face(facet, k) {
-            return normal;
-        }
         let node = self.surface.local_facet(facet)[k] as usize;
-        self.at_nodes[node].unwrap_or_else(|| self.fitted(self.surface.facet(facet)[k], &self.around(facet, k)))
+        let fitted = || self.fitted(self.surface.facet(facet)[k], &self.around(facet, k));
+        self.at_nodes[node].or_else(|| self.of_face(facet, k)).unwrap_or_else(fitted)
     }
 
     /// Normal at a node of the quadric fitted to the nodes of the facets `around`.

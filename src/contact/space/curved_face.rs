@@ -1,0 +1,97 @@
+//! Curved surface of a face of second order: its normals and its center (for `second_order.rs`).
+//!
+//! Tangents along the lines of three nodes of a face are those of circles. For points of a circle at `u` and `v` from a third one, `u/|u|^2`
+//! and `v/|v|^2` differ by a vector along the tangent there. Parabolas would leave the circle by the angle `l^3/(32 r^3)` at their ends.
+
+use nalgebra::{Matrix2, Vector2};
+
+use crate::contact::faces::{self, Vector};
+use crate::math::tolerances::STRAIGHT;
+use crate::mesh::flat_pieces;
+
+/// Tangent at a point to the circle through two others of which the first is between, or through one behind and one before it; any length.
+fn tangent([other, last]: [Vector; 2], at: Vector) -> Vector {
+    let inverted = |x: Vector| (x - at) / (x - at).norm_squared();
+    inverted(other) - inverted(last)
+}
+
+/// Normals of a face of second order at the corners of its facets, in the order of its flat pieces; `None` for faces of first order and
+/// where the face has no normal.
+pub fn corner_normals(face: &[u32], q: &[f64]) -> Vec<Option<[Vector; 4]>> {
+    let pieces = flat_pieces(if face.len() == 8 { 9 } else { face.len() });
+    if face.len() <= 4 {
+        return vec![None; pieces.len()];
+    }
+    let count = if face.len() == 6 { 3 } else { 4 };
+    let x: Vec<Vector> = face[..2 * count].iter().map(|&node| faces::at(node, q)).collect();
+    let edge = |k: usize| [x[k % count], x[count + k % count], x[(k + 1) % count]];
+    // Line of three points from a mid-side node to the other side.
+    let inward = |k: usize| {
+        if count == 4 { [center(face, q), x[4 + (k + 2) % 4]] } else { [inside(edge(k), edge(k + 1), edge(k + 2)), x[(k + 2) % 3]] }
+    };
+    let of_corner = |k: usize| {
+        let ([from, next, end], [start, last, _]) = (edge(k), edge(k + count - 1));
+        tangent([next, end], from).cross(&tangent([last, start], from))
+    };
+    let of_middle = |k: usize| {
+        let [from, middle, end] = edge(k);
+        tangent([end, from], middle).cross(&tangent(inward(k), middle))
+    };
+    let mut normals: Vec<Vector> = (0..count).map(of_corner).chain((0..count).map(of_middle)).collect();
+    if count == 4 {
+        let center = center(face, q);
+        normals.push(tangent([x[5], x[7]], center).cross(&tangent([x[6], x[4]], center)));
+    }
+    let normals: Vec<Option<Vector>> = normals.iter().map(|normal| normal.try_normalize(0.0)).collect();
+    let of_piece = |piece: &&[usize]| {
+        let mut corners = [Vector::zeros(); 4];
+        for (corner, &node) in corners.iter_mut().zip(*piece) {
+            *corner = normals[node]?;
+        }
+        Some(corners)
+    };
+    pieces.iter().map(of_piece).collect()
+}
+
+/// Point of the surface through a face of six nodes halfway from the middle of the first of its edges to the opposite corner: over the middle
+/// of the chord between the two other mid-side nodes as a circle with the curvature of the first edge.
+fn inside([a, middle, b]: [Vector; 3], [_, one, end]: [Vector; 3], [_, other, _]: [Vector; 3]) -> Vector {
+    let (chord, way) = (0.5 * (one + other), end - middle);
+    let offset = middle - 0.5 * (a + b);
+    let (height, length) = (offset.norm(), (b - a).norm());
+    // The offset is normal to the surface at the middle; halfway to the corner the surface is parallel to the way there.
+    let Some(normal) = (offset - way * (offset.dot(&way) / way.norm_squared())).try_normalize(0.0) else { return chord };
+    chord + normal * (0.25 * height * (1.0 - 3.0 * (height / length).powi(2)))
+}
+
+/// Center of the surface through the nodes of a face of eight or nine nodes; the ninth node unless it follows from the others.
+///
+/// Eight nodes do not show terms `xi^2 eta^2` of the surface. In the mean plane, with the coordinates `X` from the center, surfaces of
+/// constant curvature (spheres, cylinders) have the height `z = -Q (1 + |grad Q|^2/4)` up to the fourth degree, `Q` quadratic in `X`. The
+/// center of the serendipity interpolation is wrong by that of `z`.
+pub fn center(face: &[u32], q: &[f64]) -> Vector {
+    let at = |k: usize| faces::at(face[k], q);
+    let (corners, middles) = ([0, 1, 2, 3].map(at), [4, 5, 6, 7].map(at));
+    let place = 0.5 * middles.iter().sum::<Vector>() - 0.25 * corners.iter().sum::<Vector>();
+    let diagonal = corners[2] - corners[0];
+    if let Some(&ninth) = face.get(8)
+        && (faces::at(ninth, q) - place).norm() > STRAIGHT * diagonal.norm()
+    {
+        return faces::at(ninth, q);
+    }
+    let Some(normal) = diagonal.cross(&(corners[3] - corners[1])).try_normalize(0.0) else { return place };
+    let first = (diagonal - normal * normal.dot(&diagonal)).normalize();
+    let in_plane = |x: Vector| Vector2::new(first.dot(&x), normal.cross(&first).dot(&x));
+    let along = |signs: [f64; 4]| (0..4).map(|k| corners[k] * (0.25 * signs[k])).sum::<Vector>();
+    let [u, v, skew] = [[-1.0, 1.0, 1.0, -1.0], [-1.0, -1.0, 1.0, 1.0], [1.0, -1.0, 1.0, -1.0]].map(along);
+    let Some(inverse) = Matrix2::from_columns(&[in_plane(u), in_plane(v)]).try_inverse() else { return place };
+    let sagitta = |k: usize| (middles[k] - 0.5 * (corners[k] + corners[(k + 1) % 4])).dot(&normal);
+    let [a, b, c] = [0.5 * (sagitta(0) + sagitta(2)), 0.5 * (sagitta(1) + sagitta(3)), -0.5 * normal.dot(&skew)];
+    let form = inverse.transpose() * Matrix2::new(a, c, c, b) * inverse;
+    let height = |x: &Vector| {
+        let at = in_plane(x - place);
+        let slope = form * at;
+        -at.dot(&slope) * (1.0 + slope.norm_squared())
+    };
+    place + normal * (0.25 * corners.iter().map(height).sum::<f64>() - 0.5 * middles.iter().map(height).sum::<f64>())
+}
