@@ -18,12 +18,11 @@ use super::multifrontal::{Multifrontal, TOGETHER};
 use super::ordering::{Order, alternatives, anchored, candidates};
 use super::partial_pivoting::PartialPivoting;
 use super::pattern::Pattern;
-use super::scaling::{all_finite, largest, spread, vertex_scales};
+use super::scaling::{all_finite, spread, vertex_scales};
 use super::symbolic::Symbolic;
 use super::watch::InterruptWatch;
 use super::work::Work;
 use crate::machine::memory;
-use crate::math::tolerances;
 use crate::math::workers::Workers;
 
 /// Excess operations per nonzero block after which a new order is computed: several times the cost of a dissection, because on coarse
@@ -49,35 +48,32 @@ const REVIEW: usize = 50;
 const SLOWER: f64 = 1.5;
 const SUBSTITUTIONS: usize = 64;
 
-/// Largest number of iterative refinements. One restores full accuracy unless the factors are useless.
-const REFINEMENTS: usize = 2;
-
 /// Factorization of a sequence of matrices: the order of elimination is kept while it is good, the structure while the pattern is
 /// unchanged.
 pub struct Factorization {
-    order: EliminationOrder,
+    pub(super) order: EliminationOrder,
     account: Account,
     /// True if `order` was restored for the next pattern.
     restored: bool,
-    pattern: Pattern,
-    symbolic: Symbolic,
+    pub(super) pattern: Pattern,
+    pub(super) symbolic: Symbolic,
     /// Ranges of matrix values outside of the structure of the factors; all of them have been zero so far.
     left_out: Vec<Range<u32>>,
-    multifrontal: Multifrontal,
+    pub(super) multifrontal: Multifrontal,
     /// Largest number of bytes reserved for a factorisation.
     reserved: u64,
     work: Work,
-    workers: Workers,
+    pub(super) workers: Workers,
     watch: InterruptWatch,
-    fallback: Option<Box<PartialPivoting>>,
+    pub(super) fallback: Option<Box<PartialPivoting>>,
     /// True if the fallback has factorized the last matrix and must solve.
-    fallen_back: bool,
+    pub(super) fallen_back: bool,
     /// Scales of the vertices, and of the unknowns.
     vertex_scale: Vec<f64>,
-    scale: Vec<f64>,
-    solution: Vec<f64>,
-    residual: Vec<f64>,
-    null_vector: Option<Vec<f64>>,
+    pub(super) scale: Vec<f64>,
+    pub(super) solution: Vec<f64>,
+    pub(super) residual: Vec<f64>,
+    pub(super) null_vector: Option<Vec<f64>>,
 }
 
 impl Factorization {
@@ -380,35 +376,6 @@ impl Factorization {
         SUBSTITUTIONS.max((self.symbolic.operations / substitution) as usize)
     }
 
-    /// Solves; `first` is the substituted right-hand side and the product of the matrix with it, if they are known.
-    fn solve_from(&mut self, values: &[f64], right: &mut [f64], first: Option<(&[f64], &[f64])>) -> Result<f64, LinearError> {
-        let size = self.scaled_size(right);
-        if size == 0.0 {
-            return Ok(0.0);
-        }
-        if !size.is_finite() {
-            return Err(LinearError::NotFinite);
-        }
-        let mut error = f64::NAN;
-        if !self.fallen_back {
-            if !self.multifrontal.replaced().is_empty() {
-                self.refuse_singular(values)?;
-            } else {
-                error = self.refined(values, right, size, first);
-            }
-        }
-        if error.is_nan() || error > tolerances::LINEAR_FALLBACK {
-            self.fall_back(values)?;
-            error = self.refined(values, right, size, None);
-        }
-        let residual = self.scaled_size(&self.residual) / size;
-        if error.is_nan() || error > tolerances::LINEAR_RESIDUAL || residual > tolerances::LINEAR_UNSOLVED {
-            return Err(LinearError::Inaccurate { residual });
-        }
-        right.copy_from_slice(&self.solution);
-        Ok(error)
-    }
-
     /// Estimated null vector after [`LinearError::Singular`], one component per unknown.
     pub fn near_null_vector(&self) -> Option<&[f64]> {
         self.null_vector.as_deref()
@@ -417,105 +384,5 @@ impl Factorization {
     /// Number of negative eigenvalues of the last factored matrix, if symmetric; `None` if pivots were replaced, or after the fallback.
     pub fn negative_eigenvalues(&self) -> Option<usize> {
         if self.fallen_back { None } else { self.multifrontal.negative_eigenvalues(&self.symbolic) }
-    }
-
-    fn scaled_size(&self, vector: &[f64]) -> f64 {
-        largest(vector.iter().zip(&self.scale).map(|(x, scale)| x * scale))
-    }
-
-    /// Factors the last matrix by the sparse LU with partial pivoting.
-    fn fall_back(&mut self, values: &[f64]) -> Result<(), LinearError> {
-        if !self.fallen_back {
-            if self.fallback.is_none() {
-                let restricted = self.pattern.restricted(&self.order.kept);
-                self.fallback = Some(Box::new(PartialPivoting::new(&restricted)?));
-            }
-            if let Some(fallback) = &mut self.fallback {
-                fallback.factorize(values, &self.scale)?;
-            }
-            self.fallen_back = true;
-        }
-        Ok(())
-    }
-
-    /// `x := A^-1 x` with the factors in use, without refinement and checks.
-    fn substitute(&mut self) {
-        match &mut self.fallback {
-            Some(fallback) if self.fallen_back => fallback.solve(&self.scale, &mut self.residual),
-            _ => self.multifrontal.solve(&self.symbolic, &self.scale, &mut self.residual, &self.workers),
-        }
-    }
-
-    /// Solves into `solution` with iterative refinement until the backward error is at round-off; returns the backward error. `first` is
-    /// the substituted right-hand side and the product of the matrix with it, if they are known.
-    fn refined(&mut self, values: &[f64], right: &[f64], size: f64, mut first: Option<(&[f64], &[f64])>) -> f64 {
-        self.solution.fill(0.0);
-        self.residual.copy_from_slice(right);
-        let mut error = 1.0;
-        for _ in 0..=REFINEMENTS {
-            if let Some((first, image)) = first.take() {
-                self.solution.copy_from_slice(first);
-                self.residual.copy_from_slice(image);
-            } else {
-                self.substitute();
-                self.solution.iter_mut().zip(&self.residual).for_each(|(x, d)| *x += d);
-                self.pattern.multiply_into(values, &self.solution, &mut self.residual);
-            }
-            self.residual.iter_mut().zip(right).for_each(|(r, b)| *r = b - *r);
-            let solution = largest(self.solution.iter().zip(&self.scale).map(|(x, scale)| x / scale));
-            error = self.scaled_size(&self.residual) / (solution + size);
-            if error.is_nan() || error <= tolerances::LINEAR_REFINED {
-                break;
-            }
-        }
-        if error > tolerances::LINEAR_FALLBACK { self.error_by_rows(values, right) } else { error }
-    }
-
-    /// Backward error of `solution`: largest residual of a row relative to the sum of the magnitudes of its terms, or to `|x|` if larger.
-    fn error_by_rows(&self, values: &[f64], right: &[f64]) -> f64 {
-        let mut terms = vec![0.0; right.len()];
-        self.pattern.multiply_sizes_into(values, &self.solution, &mut terms);
-        let least = largest(self.solution.iter().zip(&self.scale).map(|(x, scale)| x / scale));
-        let rows = self.residual.iter().zip(&terms).zip(right.iter().zip(&self.scale));
-        largest(rows.map(|((r, terms), (b, scale))| r * scale / ((terms + b.abs()) * scale).max(least)))
-    }
-
-    /// Decides if the matrix `A` is singular or only has an unsuitable order, by the factors of `M`, the matrix with replaced pivots.
-    ///
-    /// `M - A` is the product of the direction in which `A` lacks a pivot and a small row. If `A` has a null vector, the iteration `z :=
-    /// M^-1 (M - A) z = z - M^-1 A z` converges to it.
-    fn refuse_singular(&mut self, values: &[f64]) -> Result<(), LinearError> {
-        // Start vector with components in all directions.
-        for (k, (x, scale)) in self.residual.iter_mut().zip(&self.scale).enumerate() {
-            *x = (0.1 + (k as f64).sin().abs()) / scale;
-        }
-        self.solution.fill(0.0);
-        let mut image = f64::INFINITY;
-        loop {
-            self.multifrontal.solve(&self.symbolic, &self.scale, &mut self.residual, &self.workers);
-            for (z, x) in self.solution.iter_mut().zip(&self.residual) {
-                *z -= x;
-            }
-            let size = largest(self.solution.iter().zip(&self.scale).map(|(z, scale)| z / scale));
-            if !size.is_finite() || size == 0.0 {
-                return Ok(());
-            }
-            self.solution.iter_mut().for_each(|z| *z /= size);
-            self.pattern.multiply_into(values, &self.solution, &mut self.residual);
-            let last = std::mem::replace(&mut image, self.scaled_size(&self.residual));
-            if image <= tolerances::LINEAR_SINGULAR {
-                break;
-            }
-            // Power iteration: converges linearly, because the replaced pivot made the factors grow; without a null vector it diverges.
-            if image.is_nan() || image > 0.5 * last {
-                return Ok(());
-            }
-        }
-        let place = (0..self.solution.len()).max_by(|&i, &k| {
-            let size = |k: usize| (self.solution[k] / self.scale[k]).abs();
-            size(i).total_cmp(&size(k))
-        });
-        self.null_vector = Some(self.solution.clone());
-        Err(LinearError::Singular { vertex: place.map(|unknown| self.pattern.vertex_of(unknown) as u32) })
     }
 }

@@ -29,6 +29,7 @@ mod pattern;
 mod places;
 #[cfg(test)]
 mod random_tests;
+mod refinement;
 mod scaling;
 mod solver;
 mod strips;

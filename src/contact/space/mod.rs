@@ -29,6 +29,7 @@ mod slip;
 mod tied;
 mod vectors;
 mod vertices;
+mod view;
 
 pub use corners::CornersInSpace;
 pub use facets::{Facets, FacetsError};
