@@ -405,6 +405,7 @@ mod tests {
     use proptest::prelude::*;
     use proptest::test_runner::RngSeed;
 
+    use super::super::vectors::cross;
     use super::*;
     use crate::math::tolerances::EDGES_MEET;
 
