@@ -95,7 +95,7 @@ pub enum Entry {
         /// Outcome of the computation.
         outcome: Outcome,
         /// Counters of the simulation after the computation.
-        tally: Tally,
+        tally: Box<Tally>,
     },
     /// Return of a simulation to a kept state, or back by steps.
     WentBack {
@@ -282,7 +282,7 @@ mod tests {
             simulation: 0,
             computation: Computation::Step(Some(2.0)),
             outcome: Outcome::Stepped(rows),
-            tally: Tally::default(),
+            tally: Box::default(),
         }
     }
 

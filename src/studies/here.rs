@@ -80,7 +80,7 @@ pub struct Done {
 }
 
 enum Message {
-    Done(Done),
+    Done(Box<Done>),
     Trouble(Box<Diagnostic>),
 }
 
@@ -220,7 +220,7 @@ impl Pool<'_> {
 
     fn tell(&self, index: usize, sender: &Sender<Message>) {
         if let Some(record) = self.study.record(&self.plan.points[index]) {
-            let _ = sender.send(Message::Done(Done { index, record }));
+            let _ = sender.send(Message::Done(Box::new(Done { index, record })));
         }
     }
 
@@ -256,7 +256,7 @@ impl Pool<'_> {
             Ok(None) => Ok(()),
             Err(error) => Err(error),
         };
-        let message = written.map_or_else(Message::Trouble, |()| Message::Done(Done { index, record }));
+        let message = written.map_or_else(Message::Trouble, |()| Message::Done(Box::new(Done { index, record })));
         let goes_on = matches!(message, Message::Done(_));
         let _ = sender.send(message);
         goes_on

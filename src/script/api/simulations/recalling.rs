@@ -39,7 +39,7 @@ impl Journal {
                 if (known, asked) == (simulation, computation) =>
             {
                 self.0.borrow_mut().repeats = outcome == Outcome::Failed;
-                Ok((outcome, tally))
+                Ok((outcome, *tally))
             }
             _ => Err(something_else()),
         }
@@ -167,7 +167,7 @@ impl SimulationHandle {
         if has_failed && !self.0.is_known.get() {
             journal.keep(simulation, before.clone());
         }
-        journal.add(&Entry::Computed { simulation, computation, outcome, tally });
+        journal.add(&Entry::Computed { simulation, computation, outcome, tally: Box::new(tally) });
         self.0.is_known.set(has_failed);
     }
 
