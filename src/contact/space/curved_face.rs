@@ -1,7 +1,8 @@
 //! Curved surface of a face of second order: its normals and its center (for `second_order.rs`).
 //!
-//! Tangents along the lines of three nodes of a face are those of circles. For points of a circle at `u` and `v` from a third one, `u/|u|^2`
-//! and `v/|v|^2` differ by a vector along the tangent there. Parabolas would leave the circle by the angle `l^3/(32 r^3)` at their ends.
+//! Tangents along the lines of three nodes of a face are those of circles. For points of a circle at `u` and `v` from a third one, the
+//! vectors `u/|u|^2` and `v/|v|^2` differ by a vector along the tangent there. Parabolas would leave the circle by the angle `l^3/(32 r^3)`
+//! at their ends.
 
 use nalgebra::{Matrix2, Vector2};
 
@@ -53,8 +54,8 @@ pub fn corner_normals(face: &[u32], q: &[f64]) -> Vec<Option<[Vector; 4]>> {
     pieces.iter().map(of_piece).collect()
 }
 
-/// Point of the surface through a face of six nodes halfway from the middle of the first of its edges to the opposite corner: over the middle
-/// of the chord between the two other mid-side nodes as a circle with the curvature of the first edge.
+/// Point of the surface through a face of six nodes halfway from the middle of the first of its edges to the opposite corner: over the
+/// middle of the chord between the two other mid-side nodes, as a circle with the curvature of the first edge.
 fn inside([a, middle, b]: [Vector; 3], [_, one, end]: [Vector; 3], [_, other, _]: [Vector; 3]) -> Vector {
     let (chord, way) = (0.5 * (one + other), end - middle);
     let offset = middle - 0.5 * (a + b);

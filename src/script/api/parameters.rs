@@ -214,8 +214,8 @@ pub fn functions() -> Vec<Function> {
             Parameter::new(
                 "unit",
                 Kind::Text,
-                "its unit, such as `\"N/mm\"`, or its dimension, such as `\"force / length\"`, whose unit is that of `units`: reports, and tables \
-                 and pages of studies name it",
+                "its unit, such as `\"N/mm\"`, or its dimension, such as `\"force / length\"`, whose unit is that of `units`: reports, and \
+                 tables and pages of studies name it",
             )
             .or(Absent::Means("no unit is named")),
         ],

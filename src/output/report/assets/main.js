@@ -7,7 +7,7 @@ const NAMED_BODIES = 24;
 function bodyKey(list, { bodies, colors }) {
   const swatch = (k) => {
     const [r, g, b] = colors[Math.min(255, Math.floor((256 * (k + 0.5)) / bodies.length))];
-    const box = element("i", { className: "swatch" });
+    const box = element("span", { className: "swatch" });
     box.style.background = `rgb(${r}, ${g}, ${b})`;
     return box;
   };

@@ -62,8 +62,9 @@ impl Moves {
     fn rotation(self) -> [&'static str; 3] {
         match self {
             Moves::Plane => [
-                "the angle by which it has turned over time: in the plane its border tilts about a point, counter-clockwise; in space it turns \
-                 about its normal through `point`, as a right-handed screw, which friction feels as on a turntable, or tilts about another axis",
+                "the angle by which it has turned over time: in the plane its border tilts about a point, counter-clockwise; in space it \
+                 turns about its normal through `point`, as a right-handed screw, with effect on friction only as on a turntable, or \
+                 tilts about another axis",
                 "`point`",
                 "in space the normal",
             ],
