@@ -278,12 +278,7 @@ mod tests {
 
     fn computed(step: usize) -> Entry {
         let rows = vec![LedgerRow { step, time: 0.1, ..LedgerRow::default() }];
-        Entry::Computed {
-            simulation: 0,
-            computation: Computation::Step(Some(2.0)),
-            outcome: Outcome::Stepped(rows),
-            tally: Box::default(),
-        }
+        Entry::Computed { simulation: 0, computation: Computation::Step(Some(2.0)), outcome: Outcome::Stepped(rows), tally: Box::default() }
     }
 
     fn read(run: &Path, mark: &Mark) -> Vec<Entry> {
