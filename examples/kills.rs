@@ -36,7 +36,7 @@ struct Arguments {
     #[arg(long, default_value_t = 1)]
     threads: usize,
     /// Where they run; folders of scripts with a fault stay
-    #[arg(long, default_value = "kills")]
+    #[arg(long, default_value = "out/kills")]
     folder: PathBuf,
     /// Prints one script
     #[arg(long)]

@@ -47,7 +47,7 @@ struct Arguments {
     #[arg(long, default_value_t = 1)]
     threads: usize,
     /// Where they run
-    #[arg(long, default_value = "products")]
+    #[arg(long, default_value = "out/products")]
     folder: PathBuf,
     /// Runs the covering array
     #[arg(long)]
