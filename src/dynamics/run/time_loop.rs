@@ -101,8 +101,9 @@ where
         let Tally { steps, newton_iterations, halvings, factorizations, discarded, assemblies, solver_calls, causes, .. } = tally;
         let counted = Statistics { steps: *steps, newton_iterations: *newton_iterations, halvings: *halvings, ..self.statistics };
         (self.statistics, self.halvings) = (counted, causes.clone());
-        self.system.counters.solver_calls_before = [*solver_calls, self.system.work().solver_calls()];
+        let own_calls = self.system.work().solver_calls();
         let counters = &mut self.system.counters;
+        (counters.calls_before_resume, counters.calls_at_resume) = (*solver_calls, own_calls);
         (counters.factorizations, counters.discarded, counters.assemblies) = (*factorizations, *discarded, *assemblies);
     }
 
@@ -287,17 +288,18 @@ where
     }
 
     fn statistics(&self) -> Statistics {
-        let [base, earlier] = self.system.counters.solver_calls_before;
+        let counters = &self.system.counters;
+        let calls = counters.calls_before_resume.plus(self.system.work().solver_calls(), counters.calls_at_resume);
         Statistics {
-            factorizations: self.system.counters.factorizations,
-            discarded: self.system.counters.discarded,
+            factorizations: counters.factorizations,
+            discarded: counters.discarded,
             linear: self.system.work(),
-            solver_calls: base.plus(self.system.work().solver_calls(), earlier),
+            solver_calls: calls,
             taken_over: self.system.taken_over(),
-            assemblies: self.system.counters.assemblies,
+            assemblies: counters.assemblies,
             cells: self.system.bodies.iter().map(|body| body.elements.cliques().len()).sum(),
             factor_bytes: self.system.factor_bytes(),
-            times: self.system.counters.times,
+            times: counters.times,
             ..self.statistics
         }
     }

@@ -30,6 +30,8 @@ pub struct Counters {
     pub discarded: usize,
     /// Number of force evaluations.
     pub assemblies: usize,
-    /// Calls of the linear solvers that a continued run counts from, and the solvers' own count at that time.
-    pub solver_calls_before: [SolverCalls; 2],
+    /// Calls of the linear solvers in the run before it was resumed.
+    pub calls_before_resume: SolverCalls,
+    /// Calls of the linear solvers of this process at the time of the resume, which are not counted again.
+    pub calls_at_resume: SolverCalls,
 }
