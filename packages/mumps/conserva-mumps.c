@@ -36,7 +36,7 @@
 #define MAGIC INT64_C(0x31304d554d4f43)
 #define VERSION_LENGTH 32
 #define USE_COMM_WORLD (-987654)
-#define MOST_MEGABYTES_TRIES 6
+#define MOST_TRIES 6
 
 enum command { STRUCTURE = 1, FACTORIZE = 2, SOLVE = 3, FREE = 4, FINISH = 5 };
 enum job { INITIALIZE = -1, TERMINATE = -2, ANALYSE = 1, FACTORS = 2, SUBSTITUTE = 3 };
@@ -208,7 +208,7 @@ static int factorize(const int64_t head[HEAD]) {
             dmumps_c(mumps);
             matrix->is_analysed = mumps->INFOG(1) >= 0;
         }
-        for (int tries = 0; matrix->is_analysed && tries < MOST_MEGABYTES_TRIES; tries++) {
+        for (int tries = 0; matrix->is_analysed && tries < MOST_TRIES; tries++) {
             mumps->job = FACTORS;
             dmumps_c(mumps);
             if (!lacks_space(mumps->INFOG(1))) break;
@@ -288,9 +288,9 @@ static void serve(void) {
 }
 
 int main(int count, char **arguments) {
-    /* The terminal's interrupt is for `conserva`; a broken connection is found where it is written to. */
-    signal(SIGINT, SIG_IGN);
-    signal(SIGPIPE, SIG_IGN);
+    /* Signals that end a run are for `conserva`, which writes its checkpoint; a broken connection is found where it is written to. */
+    const int ignored[] = {SIGINT, SIGUSR1, SIGXCPU, SIGPIPE};
+    for (size_t k = 0; k < sizeof ignored / sizeof *ignored; k++) signal(ignored[k], SIG_IGN);
     MPI_Init(&count, &arguments);
     MPI_Comm_rank(MPI_COMM_WORLD, &rank);
     MPI_Comm_size(MPI_COMM_WORLD, &ranks);

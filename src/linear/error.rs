@@ -98,7 +98,7 @@ impl RanksError {
                  without `--allow-run-as-root`"
             }
             RanksError::Lost => {
-                "mpirun writes to standard error which rank has ended, and why; resume with these or with other ranks, or directly"
+                "mpirun writes to standard error which rank has ended, and why; resume it with ranks, or with another solver"
             }
         }
     }

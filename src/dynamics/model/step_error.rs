@@ -170,9 +170,9 @@ pub enum StepError {
 }
 
 impl StepError {
-    /// True if the user interrupted the run.
+    /// True if the run can only go on after a resume: the user interrupted it, or the distributed solver was lost.
     pub(in crate::dynamics) fn is_interrupt(&self) -> bool {
-        matches!(self, StepError::Interrupted { .. })
+        matches!(self, StepError::Interrupted { .. } | StepError::Ranks { .. })
     }
 
     /// Returns the error with the time up to which equilibria were followed appended to the cause.
