@@ -492,7 +492,8 @@ fn a_deck_becomes_a_script_that_runs_and_a_picture() {
 #[test]
 fn the_distributed_solver_that_is_not_installed_is_told_with_what_to_install() {
     let folder = folder("ranks-missing", &flight("sim.run_to(0.02);"));
-    let output = conserva(&folder, &["run", "main.rhai", "--solver", "mumps", "--ranks", "2"]).env("CONSERVA_MUMPS", "/nowhere").output().unwrap();
+    let output =
+        conserva(&folder, &["run", "main.rhai", "--solver", "mumps", "--ranks", "2"]).env("CONSERVA_MUMPS", "/nowhere").output().unwrap();
     assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
     assert!(stderr(&output).contains("C0526") && stderr(&output).contains("packages/mumps/build.sh"), "{}", stderr(&output));
     let solved = run(&folder, &["run", "main.rhai", "--solver", "direct"]);

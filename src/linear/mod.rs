@@ -2,8 +2,8 @@
 //!
 //! The matrix belongs to a graph: one vertex per node with its coordinates, and one per group of constraints with its multipliers. Its
 //! pattern is symmetric, its values are not. The position of each block is looked up once in the [`Pattern`]; assembly adds entries to a
-//! flat array of values. A [`LinearSolver`] solves with these values: [`Factorization`] directly, folders of their own by iteration and on the ranks of an MPI job, and
-//! [`solver_of`] chooses.
+//! flat array of values. A [`LinearSolver`] solves with these values: [`Factorization`] directly, folders of their own by iteration and on
+//! the ranks of an MPI job, and [`solver_of`] chooses.
 
 mod aligned;
 mod assembly;
