@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Checks the distributed solver where MPI and MUMPS are installed: packages/mumps/check.sh [CONSERVA]
-# The program conserva must have been built. CELLS=14 makes the blocks on which memory is measured larger or smaller.
+# The program conserva must have been built. CELLS=14 is the size of the blocks on which memory is measured.
 set -euo pipefail
 here="$(cd "$(dirname "$0")" && pwd)"
 conserva="$(realpath "${1:-$here/../../target/release/conserva}")"
@@ -57,18 +57,24 @@ done
 
 echo "-- memory of a rank: at most 0.65 and 0.4 of that of one"
 for ranks in 1 2 4; do
-    run --set "n=${CELLS:-14}" --set friction=0.3 --set steps=1 --solver mumps --ranks $ranks --out "$folder/large$ranks"
+    script="$here/../../benches/performance/blocks.rhai" run --set "n=${CELLS:-14}" --solver mumps --ranks $ranks --out "$folder/large$ranks"
     echo "$ranks ranks: $(summary large$ranks "s['unknowns'], 'unknowns,', [b / 1e6 for b in s['rank_memory_bytes']], 'MB', s['wall_seconds']['factorization'], 's'")"
 done
 most() { summary "large$1" "max(s['rank_memory_bytes'])"; }
 python3 -c "one, two, four = $(most 1), $(most 2), $(most 4); print(f'{two / one:.2f} {four / one:.2f}'); assert two <= 0.65 * one and four <= 0.4 * one"
 
-# Ends a run in the middle: lose NAME SIGNAL VICTIM; the command and its process are in `launcher` and `started`.
+# Ends a run in the middle, and resumes it: lose NAME SIGNAL VICTIM [ARGUMENTS]; `launcher` is the command before that of Conserva.
 lose() {
     rm -rf "$folder/lost"
-    ("${launcher[@]}" "$conserva" run "$script" --quiet --set steps=2000 --set friction=0.3 --solver mumps "${@:4}" --out "$folder/lost" \
-        >"$folder/log" 2>&1; echo $? >"$folder/code") &
-    for _ in $(seq 300); do [ "$(wc -l <"$folder/lost/history.csv" 2>/dev/null || echo 0)" -gt 4 ] && break; sleep 0.1; done
+    (code=0
+    "${launcher[@]}" "$conserva" run "$script" --quiet --set steps=2000 --set friction=0.3 --solver mumps "${@:4}" --out "$folder/lost" \
+        >"$folder/log" 2>&1 || code=$?
+    echo $code >"$folder/code") &
+    for _ in $(seq 300); do
+        rows="$( (wc -l <"$folder/lost/history.csv") 2>/dev/null || echo 0)"
+        [ "$rows" -gt 4 ] && break
+        sleep 0.1
+    done
     case $3 in
     rank) victim="$(pgrep -f "^$CONSERVA_MUMPS" | tail -1)" ;;
     conserva) victim="$(pgrep -f "^$conserva run $script" | head -1)" ;;
@@ -76,7 +82,8 @@ lose() {
     esac
     kill "-$2" "$victim"
     wait
-    sleep 1
+    # An interrupted mpirun does not wait for its processes.
+    for _ in $(seq 200); do pgrep -f "^$conserva run $script" >/dev/null || break; sleep 0.1; done
     [ "$(cat "$folder/code")" != 0 ] || fail "$1: the exit code is 0"
     ls "$folder/lost/checkpoints/"*.checkpoint >/dev/null 2>&1 || fail "$1: no checkpoint: $(cat "$folder/log")"
     reached="$(tail -1 "$folder/lost/history.csv" | cut -d, -f2)"
@@ -89,7 +96,8 @@ launcher=(env)
 lose "rank lost" KILL rank --ranks 4
 lose "interrupted" INT conserva --ranks 2
 lose "ended by Slurm" USR1 conserva --ranks 2
-launcher=("${job[@]}" -n 4)
+# mpirun waits so many seconds before TERM, and again before KILL.
+launcher=("${job[@]}" --mca odls_base_sigkill_timeout 5 -n 4)
 lose "rank lost under mpirun" KILL rank
 lose "mpirun interrupted" INT launcher
 lose "mpirun ended" TERM launcher

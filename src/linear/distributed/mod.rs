@@ -111,7 +111,10 @@ impl Distributed {
         let mut ranks = locked(&self.ranks);
         if !self.is_sent {
             let mut count = 0;
-            for_each_entry(pattern, is_symmetric, |_| Ok::<(), LinearError>(count += 1))?;
+            for_each_entry(pattern, is_symmetric, |_| {
+                count += 1;
+                Ok::<(), LinearError>(())
+            })?;
             let unknowns = pattern.unknowns() as i64;
             ranks.put_head(head(Command::Structure, &[matrix, i64::from(is_symmetric), unknowns, count]), watch)?;
             for_each_entry(pattern, is_symmetric, |entry| ranks.put(&(entry.row as i32 + 1).to_ne_bytes(), watch))?;
