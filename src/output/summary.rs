@@ -401,7 +401,7 @@ mod tests {
         };
         summary.judge(&drifts);
         let counted = Statistics { steps: 400, newton_iterations: 1600, halvings: 1, factorizations: 1601, ..Statistics::default() };
-        summary.count(&Statistics { times: phases, ..counted });
+        summary.count(&Statistics { times: phases, ..counted }, &[]);
         let halving = |cause, count| Halving { cause, motion: None, count, step: 0, time: 0.0, dt: 0.1 };
         let finding = RunFinding {
             kind: RunFindingKind::Depth,
