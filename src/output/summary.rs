@@ -401,7 +401,7 @@ mod tests {
         };
         summary.judge(&drifts);
         let counted = Statistics { steps: 400, newton_iterations: 1600, halvings: 1, factorizations: 1601, ..Statistics::default() };
-        summary.count(&Statistics { times: phases, ..counted }, &[]);
+        summary.count(&Statistics { times: phases, ..counted }, &[127_000_000, 73_000_000]);
         let halving = |cause, count| Halving { cause, motion: None, count, step: 0, time: 0.0, dt: 0.1 };
         let finding = RunFinding {
             kind: RunFindingKind::Depth,
@@ -442,8 +442,12 @@ mod tests {
           "newton_iterations": 1600,
           "halvings": 1,
           "factorizations": 1601,
-          "solver": "direct",
+          "solver": "mumps",
           "solver_iterations": 0,
+          "rank_memory_bytes": [
+            127000000,
+            73000000
+          ],
           "wall_seconds": {
             "total": 1.0,
             "assembly": 0.0,
