@@ -488,3 +488,32 @@ fn a_deck_becomes_a_script_that_runs_and_a_picture() {
     let no_mesh = run(&home, &["info", "two_blocks.rhai", "--picture", "a.svg"]);
     assert!(stderr(&no_mesh).contains("is no mesh file"));
 }
+
+#[test]
+fn the_distributed_solver_that_is_not_installed_is_told_with_what_to_install() {
+    let folder = folder("ranks-missing", &flight("sim.run_to(0.02);"));
+    let output =
+        conserva(&folder, &["run", "main.rhai", "--solver", "mumps", "--ranks", "2"]).env("CONSERVA_MUMPS", "/nowhere").output().unwrap();
+    assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+    assert!(stderr(&output).contains("C0526") && stderr(&output).contains("packages/mumps/build.sh"), "{}", stderr(&output));
+    let solved = run(&folder, &["run", "main.rhai", "--solver", "direct"]);
+    assert_eq!(solved.status.code(), Some(0), "{}", stderr(&solved));
+}
+
+#[test]
+fn only_the_first_process_of_a_job_without_its_solver_says_so() {
+    let folder = folder("ranks-refused", &flight("sim.run_to(0.02);"));
+    for rank in ["0", "1"] {
+        let of_job = |arguments: &[&str]| {
+            let mut command = conserva(&folder, arguments);
+            command.env("OMPI_COMM_WORLD_RANK", rank).env("OMPI_COMM_WORLD_SIZE", "2").output().unwrap()
+        };
+        for arguments in [&["run", "main.rhai"][..], &["run", "main.rhai", "--solver", "mumps", "--ranks", "3"], &["run", "--wrong"]] {
+            let output = of_job(arguments);
+            assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+            assert_eq!(stderr(&output).is_empty(), rank == "1", "{}", stderr(&output));
+            assert_eq!(stderr(&output).contains("C0529"), rank == "0" && arguments[1] == "main.rhai", "{}", stderr(&output));
+        }
+    }
+    assert!(!folder.join("out").exists(), "no process has begun the run");
+}

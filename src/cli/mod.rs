@@ -19,6 +19,7 @@ mod memory;
 mod mesh_files;
 mod new;
 mod process;
+mod ranks;
 mod repl;
 mod report;
 mod resume;
@@ -138,6 +139,8 @@ pub fn main_of(program: std::path::PathBuf, arguments: impl IntoIterator<Item = 
 fn run_command(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> u8 {
     let arguments = match CommandLine::try_parse_from(arguments) {
         Ok(arguments) => arguments,
+        // Only the first process of an MPI job has a voice.
+        Err(error) if ranks::is_served() => return u8::try_from(error.exit_code()).unwrap_or(exit_code(Class::Script)),
         Err(error) => return told(&error),
     };
     if !is_supported() {
@@ -169,7 +172,9 @@ fn run_command(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> u8 {
         }
         Command::Man { command } => manual(command.as_deref()),
     };
-    match std::thread::Builder::new().name("script".into()).stack_size(STACK).spawn(work).map(|thread| thread.join()) {
+    let ended = std::thread::Builder::new().name("script".into()).stack_size(STACK).spawn(work).map(|thread| thread.join());
+    ranks::end();
+    match ended {
         Ok(Ok(code)) => with_loss(code),
         Ok(Err(_)) => {
             console::complain("error: the program has a defect and had to stop\n= hint: please report it together with the script\n");

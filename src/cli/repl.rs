@@ -235,6 +235,7 @@ pub fn repl(arguments: Arguments) -> u8 {
         allow_read: arguments.allow_read,
         output: Some(out),
         threads: usize::from(arguments.threads),
+        solver: None,
         workers: processors(),
         max_operations: MAX_OPERATIONS,
         interrupt: interrupt.clone(),

@@ -103,6 +103,9 @@ fn compare(then: &Origin, now: &Origin, anyway: bool) -> Result<(), Box<Diagnost
 
 /// Resumes a run; returns the exit code.
 pub fn resume(arguments: Arguments) -> u8 {
+    if let Err(code) = arguments.course.solver.join_job() {
+        return code;
+    }
     arguments.memory.apply();
     attempt(&arguments).unwrap_or_else(|error| {
         complain(&error.render(ink()));
@@ -138,6 +141,7 @@ fn attempt(arguments: &Arguments) -> Result<u8, Box<Diagnostic>> {
         allow_read: origin.allow_read,
         output: Some(out.clone()),
         threads: usize::from(arguments.course.threads),
+        solver: arguments.course.solver.choice(),
         workers: processors(),
         max_operations: origin.max_operations,
         interrupt: interrupt.clone(),

@@ -11,6 +11,7 @@ use super::console::{Console, complain, ink, with_loss};
 use super::live::{LiveObserver, LivePage};
 use super::log::{self, JsonLog, LogTarget};
 use super::process::{DOUBTFUL, exit_code};
+use super::ranks::{SolverArguments, told_by_launcher};
 use super::script_arguments::{ScriptArguments, threads};
 use super::signals::interrupt;
 use crate::output::{LiveReport, checkpoint};
@@ -35,6 +36,8 @@ pub struct RunControlArguments {
     /// Threads of the element loop; results do not depend on it
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = threads)]
     pub threads: u16,
+    #[command(flatten)]
+    pub solver: SolverArguments,
     /// No progress
     #[arg(long)]
     pub quiet: bool,
@@ -83,6 +86,9 @@ fn port(text: &str) -> Result<u16, String> {
 
 /// Runs a script; returns the exit code.
 pub fn run(arguments: Arguments) -> u8 {
+    if let Err(code) = arguments.course.solver.join_job() {
+        return code;
+    }
     let ScriptArguments { script, overrides, allow_read, max_operations, memory } = arguments.script;
     memory.apply();
     let stem = script.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_else(|| "script".into());
@@ -108,6 +114,7 @@ pub fn run(arguments: Arguments) -> u8 {
         allow_read,
         output: Some(out.clone()),
         threads: usize::from(arguments.course.threads),
+        solver: arguments.course.solver.choice(),
         workers: processors(),
         max_operations,
         interrupt,
@@ -201,6 +208,7 @@ impl RunObservers {
         };
         if self.log.as_ref().is_none_or(|log| !log.is_alone()) {
             self.console.report(error);
+            told_by_launcher(error).iter().for_each(|line| complain(line));
         }
         if error.class == Class::Interrupted && !checkpoint::places(out).is_empty() {
             self.console.note(&format!("go on with `conserva resume {}`", out.display()));

@@ -1,5 +1,7 @@
 //! Iterative solver with the direct solver as its fallback.
 
+#[cfg(unix)]
+use super::distributed::Distributed;
 use super::error::LinearError;
 use super::factorization::Factorization;
 use super::iterative::{Iterative, Refusal};
@@ -9,7 +11,7 @@ use super::watch::InterruptWatch;
 use super::work::Work;
 use crate::math::workers::Workers;
 
-/// Choice between direct and iterative solution.
+/// Choice of the linear solver.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SolverChoice {
     /// Iterative in space from [`ITERATED`] unknowns, or if the factors do not fit into memory; otherwise direct.
@@ -19,16 +21,25 @@ pub enum SolverChoice {
     Direct,
     /// Iteration for every matrix for which it converges.
     Iterative,
+    /// Factorization of every matrix by MUMPS.
+    Mumps {
+        /// Number of processes to be started; 0: one, or those of the MPI job to which this process belongs.
+        ranks: u16,
+    },
 }
 
 impl SolverChoice {
     /// All choices by name.
-    pub const ALL: [(&'static str, SolverChoice); 3] =
-        [("auto", SolverChoice::Auto), ("direct", SolverChoice::Direct), ("iterative", SolverChoice::Iterative)];
+    pub const ALL: [(&'static str, SolverChoice); 4] = [
+        ("auto", SolverChoice::Auto),
+        ("direct", SolverChoice::Direct),
+        ("iterative", SolverChoice::Iterative),
+        ("mumps", SolverChoice::Mumps { ranks: 0 }),
+    ];
 
     /// Name of the choice.
     pub fn name(self) -> &'static str {
-        Self::ALL.iter().find(|(_, choice)| *choice == self).map_or("", |(name, _)| name)
+        Self::ALL.iter().find(|(_, choice)| std::mem::discriminant(choice) == std::mem::discriminant(&self)).map_or("", |(name, _)| name)
     }
 }
 
@@ -61,7 +72,7 @@ pub struct IterativeWithFallback {
 /// unknowns.
 ///
 /// # Errors
-/// [`LinearError::OutOfMemory`].
+/// [`LinearError::OutOfMemory`], [`LinearError::Ranks`].
 pub fn solver_of(
     choice: SolverChoice,
     pattern: &Pattern,
@@ -70,6 +81,12 @@ pub fn solver_of(
 ) -> Result<Box<dyn LinearSolver>, LinearError> {
     if choice == SolverChoice::Direct {
         return Ok(Box::new(Factorization::new(pattern)?.with_workers(workers)));
+    }
+    if let SolverChoice::Mumps { ranks } = choice {
+        #[cfg(unix)]
+        return Ok(Box::new(Distributed::new(pattern, u32::from(ranks), workers)?));
+        #[cfg(not(unix))]
+        return Err(super::error::RanksError::NoProgram.into());
     }
     let mut solver = IterativeWithFallback {
         choice,

@@ -2,12 +2,14 @@
 //!
 //! The matrix belongs to a graph: one vertex per node with its coordinates, and one per group of constraints with its multipliers. Its
 //! pattern is symmetric, its values are not. The position of each block is looked up once in the [`Pattern`]; assembly adds entries to a
-//! flat array of values. A [`LinearSolver`] solves with these values: [`Factorization`] directly, a folder of its own by iteration, and
-//! [`solver_of`] chooses.
+//! flat array of values. A [`LinearSolver`] solves with these values: [`Factorization`] directly, folders of their own by iteration and on
+//! the ranks of an MPI job, and [`solver_of`] chooses.
 
 mod aligned;
 mod assembly;
 mod dense;
+#[cfg(unix)]
+mod distributed;
 mod elimination_order;
 mod error;
 mod factorization;
@@ -44,7 +46,9 @@ mod waiting;
 mod watch;
 mod work;
 
-pub use error::LinearError;
+#[cfg(unix)]
+pub use distributed::{MpiProcess, become_rank, end_ranks};
+pub use error::{LinearError, RanksError};
 pub use factorization::Factorization;
 pub use handover::{ITERATED, SolverChoice, solver_of};
 pub use lanczos::{Lanczos, Operator, Ritz, product};

@@ -21,10 +21,10 @@ pub struct SolverMemory {
     pub(super) taken_over: TakenOver,
 }
 
-/// Matrices that the direct solver solved in place of the iterative one.
+/// Matrices that the direct solver solved in place of the chosen one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct TakenOver {
-    /// Matrices for which the iteration did not converge.
+    /// Matrices for which the iteration did not converge, or MUMPS found no accurate solution.
     pub unconverged: u32,
     /// True if half of the nodes of a matrix or more have constraints, so that the coarsest level would be the matrix itself.
     pub is_unsuited: bool,
@@ -110,6 +110,11 @@ pub trait LinearSolver: Send {
 
     /// Bytes of the factors.
     fn bytes(&self) -> usize;
+
+    /// Largest memory of each rank of a distributed solver `[bytes]`; empty for others.
+    fn rank_bytes(&self) -> &[u64] {
+        &[]
+    }
 
     /// Sets the interrupt flag and the progress counter of long work.
     fn set_watch(&mut self, watch: InterruptWatch);

@@ -314,6 +314,9 @@ pub const LINEAR_REPLACEMENT: f64 = 1e-8;
 /// Norm of the image of a unit vector, for a matrix with entries of order one, that counts as zero: round-off of a row sum.
 pub const LINEAR_SINGULAR: f64 = 1e-14;
 
+/// Difference of mirrored entries of order one up to which the distributed solver takes a matrix for symmetric, and refines.
+pub const LINEAR_ASYMMETRY: f64 = 1e-13;
+
 /// Backward error of the linear solve after refinement above which the solution is refused.
 pub const LINEAR_RESIDUAL: f64 = 1e-8;
 

@@ -51,10 +51,13 @@ pub struct Summary {
     pub halvings: usize,
     /// Numeric factorizations.
     pub factorizations: usize,
-    /// Linear solver: `direct`, `iterative`, or both where the direct one took over.
+    /// Linear solver: `direct`, `iterative` or `mumps`, with `direct` where the direct one took over.
     pub solver: &'static str,
     /// Iterations of the iterative solver.
     pub solver_iterations: usize,
+    /// Largest memory of each rank of the distributed solver.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub rank_memory_bytes: Vec<u64>,
     /// Wall-clock time by phase.
     pub wall_seconds: WallSeconds,
     /// Largest resident memory of the process, if the system reports it.
@@ -94,8 +97,9 @@ pub const KEYS: &[(&str, &str)] = &[
     ("newton_iterations", "the Newton iterations, those of refused steps included"),
     ("halvings", "halvings of steps that were tried"),
     ("factorizations", "the number of numeric factorizations"),
-    ("solver", "the linear solver: `direct`, `iterative`, or `iterative, direct` where the direct one had to take over"),
+    ("solver", "the linear solver: `direct`, `iterative` or `mumps`, followed by `, direct` where the direct one had to take over"),
     ("solver_iterations", "the iterations of the iterative solver"),
+    ("rank_memory_bytes", "an array, with the solver `mumps`: the largest memory of MUMPS on each rank"),
     ("wall_seconds", "an object: where the time went, `total` and its parts [s]"),
     ("peak_memory_bytes", "the largest resident memory of the process, where the system tells"),
     ("energy_drift", "the largest change of the total energy since the loads ended, relative to the largest energy since then"),
@@ -170,19 +174,22 @@ fn in_order<S: Serializer>(pairs: &[(String, serde_json::Value)], serializer: S)
 }
 
 impl Summary {
-    /// Sets the counters from a simulation.
-    pub fn count(&mut self, statistics: &Statistics) {
+    /// Sets the counters from a simulation; `rank_bytes`: memory of the ranks of a distributed solver.
+    pub fn count(&mut self, statistics: &Statistics, rank_bytes: &[u64]) {
         self.steps = statistics.steps;
         self.newton_iterations = statistics.newton_iterations;
         self.halvings = statistics.halvings;
         self.factorizations = statistics.factorizations;
         let SolverCalls { factorizations, iterations } = statistics.solver_calls;
         self.solver = match (iterations, factorizations) {
+            _ if !rank_bytes.is_empty() && statistics.taken_over.unconverged > 0 => "mumps, direct",
+            _ if !rank_bytes.is_empty() => "mumps",
             (0, _) => "direct",
             (_, 0) => "iterative",
             _ => "iterative, direct",
         };
         self.solver_iterations = iterations;
+        self.rank_memory_bytes = rank_bytes.to_vec();
     }
 
     /// Sets the drifts.
@@ -394,7 +401,7 @@ mod tests {
         };
         summary.judge(&drifts);
         let counted = Statistics { steps: 400, newton_iterations: 1600, halvings: 1, factorizations: 1601, ..Statistics::default() };
-        summary.count(&Statistics { times: phases, ..counted });
+        summary.count(&Statistics { times: phases, ..counted }, &[127_000_000, 73_000_000]);
         let halving = |cause, count| Halving { cause, motion: None, count, step: 0, time: 0.0, dt: 0.1 };
         let finding = RunFinding {
             kind: RunFindingKind::Depth,
@@ -435,8 +442,12 @@ mod tests {
           "newton_iterations": 1600,
           "halvings": 1,
           "factorizations": 1601,
-          "solver": "direct",
+          "solver": "mumps",
           "solver_iterations": 0,
+          "rank_memory_bytes": [
+            127000000,
+            73000000
+          ],
           "wall_seconds": {
             "total": 1.0,
             "assembly": 0.0,

@@ -99,6 +99,7 @@ fn run(
         allow_read: plan.scenario.allow_read.clone(),
         output: Some(folder.clone()),
         threads: usize::from(plan.limits.threads.max(1)),
+        solver: None,
         workers: usize::from(plan.limits.threads.max(1)),
         max_operations: plan.scenario.max_operations,
         interrupt: stop.clone(),

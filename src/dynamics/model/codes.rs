@@ -31,6 +31,7 @@ impl ModelError {
             ModelError::ChamberOfNoVolume { .. } => "C0122",
             ModelError::NoMass { .. } => "C0123",
             ModelError::TooLarge { .. } => "C0124",
+            ModelError::Ranks(error) => error.code(),
             ModelError::HeldAndMoved { .. } => "C0125",
             ModelError::RepeatedContact { .. } => "C0126",
             ModelError::TiedContact { .. } => "C0142",
@@ -60,6 +61,7 @@ impl StepError {
             StepError::StillOverlaps { .. } => "C0507",
             StepError::Interrupted { .. } => "C0508",
             StepError::OutOfMemory { .. } => "C0509",
+            StepError::Ranks { source, .. } => source.code(),
             StepError::Contradiction { .. } | StepError::Blocked { .. } | StepError::Jammed { .. } => "C0511",
         }
     }

@@ -3,6 +3,7 @@
 use thiserror::Error;
 
 use crate::bodies::FormulationError;
+use crate::linear::RanksError;
 use crate::math::digits::three_digits;
 
 /// Reason why a model cannot be simulated.
@@ -206,6 +207,9 @@ pub enum ModelError {
         /// Number of unknowns or contact elements, and the shortage of memory.
         reason: String,
     },
+    /// The ranks of the distributed solver are not there.
+    #[error(transparent)]
+    Ranks(#[from] RanksError),
     /// Boundary that is fixed and moved in one direction.
     #[error("\"{boundary}\" is held and moved in the direction {direction}")]
     HeldAndMoved {
@@ -382,6 +386,7 @@ impl ModelError {
             ModelError::ChamberOfNoVolume { .. } => "name the boundaries that face the gas: it is outside their bodies".into(),
             ModelError::NoMass { .. } => "give a mass of 0 or more".into(),
             ModelError::TooLarge { .. } => "use fewer cells, or a machine with more memory".into(),
+            ModelError::Ranks(error) => error.hint().into(),
             ModelError::Formulation { source, .. } => source.hint(),
             ModelError::RepeatedContact { .. } => "define one contact for each pair of surfaces".into(),
             ModelError::TiedContact { .. } => {

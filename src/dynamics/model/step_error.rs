@@ -3,6 +3,7 @@
 use thiserror::Error;
 
 use super::remedy::{Remedy, SmallerIncrements};
+use crate::linear::RanksError;
 use crate::machine::memory::written;
 use crate::math::digits::three_digits;
 use crate::math::tolerances::EIGHTH_TURN;
@@ -148,6 +149,14 @@ pub enum StepError {
         /// Time of the last accepted step.
         time: f64,
     },
+    /// The ranks of the distributed solver have ended.
+    #[error("{source} at t = {time}")]
+    Ranks {
+        /// Time of the last accepted step.
+        time: f64,
+        /// Failure of the ranks.
+        source: RanksError,
+    },
     /// Shortage of memory, which a smaller step does not cure.
     #[error("the memory is used up at t = {time}: the factorization of {unknowns} unknowns takes at least {}", written(*needed))]
     OutOfMemory {
@@ -161,9 +170,9 @@ pub enum StepError {
 }
 
 impl StepError {
-    /// True if the user interrupted the run.
+    /// True if the run can only go on after a resume: the user interrupted it, or the distributed solver was lost.
     pub(in crate::dynamics) fn is_interrupt(&self) -> bool {
-        matches!(self, StepError::Interrupted { .. })
+        matches!(self, StepError::Interrupted { .. } | StepError::Ranks { .. })
     }
 
     /// Returns the error with the time up to which equilibria were followed appended to the cause.
@@ -214,6 +223,7 @@ impl StepError {
                     .into()
             }
             StepError::Interrupted { .. } => "everything up to this time is kept".into(),
+            StepError::Ranks { source, .. } => format!("everything up to this time is kept; {}", source.hint()),
             StepError::OutOfMemory { .. } => "use a coarser mesh, end other programs, or run it on a machine with more memory".into(),
         }
     }

@@ -94,7 +94,7 @@ pub struct Statistics {
     pub linear: Work,
     /// Calls of the two solvers, including those before a resume.
     pub solver_calls: SolverCalls,
-    /// Matrices that the direct solver took over from the iterative one.
+    /// Matrices that the direct solver took over from the chosen one.
     pub taken_over: TakenOver,
     /// Evaluations of residual and tangent of all cells.
     pub assemblies: usize,

@@ -54,7 +54,7 @@ pub enum RunFindingKind {
     CoarseCells,
     /// A large part of the work was discarded, in failed attempts and undone steps; the value is the share of the factorizations.
     Discarded,
-    /// The direct solver took matrices over from the iterative one; the value is their number, 0 if no matrix of the run suits iteration.
+    /// The direct solver took matrices over from another one; the value is their number, 0 if no matrix of the run suits iteration.
     TakenOver,
 }
 
@@ -111,7 +111,7 @@ impl RunFindingKind {
         ("coarse_cells", "cells are too coarse for the stress at rest: its estimated error over its size, of the worst body"),
         ("failed_steps", "steps were halved where Newton's method failed: halvings for this cause per accepted step"),
         ("work_discarded", "more than a third of the work went into attempts that failed: its share of the factorizations"),
-        ("solver_taken_over", "the direct solver took over from the iterative one: the number of matrices without convergence"),
+        ("solver_taken_over", "the direct solver took over from the iterative or the distributed one: the number of matrices"),
     ];
 
     /// Stable name of the kind.
@@ -180,7 +180,7 @@ impl std::fmt::Display for RunFinding {
             RunFindingKind::BeyondTable => write!(out, "a hardening table ends before the plastic strain does"),
             RunFindingKind::CoarseCells => write!(out, "stresses are not accurate, and stiffness may not be"),
             RunFindingKind::Discarded => write!(out, "much of the work was for nothing"),
-            RunFindingKind::TakenOver => write!(out, "the direct solver took over from the iterative one"),
+            RunFindingKind::TakenOver => write!(out, "the direct solver took over from the chosen one"),
         }
     }
 }

@@ -352,6 +352,11 @@ impl Simulation {
         self.steps.statistics()
     }
 
+    /// Largest memory of each rank of a distributed solver `[bytes]`; empty for others.
+    pub fn rank_bytes(&self) -> &[u64] {
+        self.steps.rank_bytes()
+    }
+
     /// Halvings by cause since the simulation was made, including steps halved before an attempt.
     pub fn halvings(&self) -> &[Halving] {
         self.steps.halvings()
@@ -369,7 +374,7 @@ impl Simulation {
         found.extend(self.passed_obstacle());
         found.extend(self.excessive());
         found.extend(self.coarse());
-        found.extend(taken_over(self.statistics().taken_over, self.row()));
+        found.extend(taken_over(self.statistics().taken_over, !self.rank_bytes().is_empty(), self.row()));
         found
     }
 

@@ -63,5 +63,6 @@ pub trait Steps: Send {
     fn halvings(&self) -> &[Halving];
     fn measures(&self) -> Measures<'_>;
     fn findings_at_start(&self) -> Vec<RunFinding>;
+    fn rank_bytes(&self) -> &[u64];
     fn statistics(&self) -> Statistics;
 }

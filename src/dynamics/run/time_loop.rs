@@ -256,6 +256,10 @@ where
         rows.chunk_by(|a, b| a.1 == b.1).map(of).collect()
     }
 
+    fn rank_bytes(&self) -> &[u64] {
+        self.system.rank_bytes()
+    }
+
     fn halvings(&self) -> &[Halving] {
         self.halvings.all()
     }

@@ -60,7 +60,7 @@ where
                     response.work += moving.map(|(prescribed, v)| v * response.impulse[prescribed.unknown]).sum::<f64>();
                     return Ok(Some(response));
                 }
-                Err(failure @ Failure::Linear(LinearError::Interrupted | LinearError::OutOfMemory { .. })) => {
+                Err(failure @ Failure::Linear(LinearError::Interrupted | LinearError::OutOfMemory { .. } | LinearError::Ranks(_))) => {
                     return Err(failure.or_end(self.state.row.time));
                 }
                 Ok(None) | Err(_) => {}

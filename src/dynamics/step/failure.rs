@@ -63,10 +63,11 @@ impl Failure {
     /// Name of a failure by a too large time discretization error.
     pub const INEXACT: &'static str = "error too large";
 
-    /// Converts an interrupted factorization, or one that ran out of memory, to a fatal failure; other failures are returned unchanged.
+    /// Converts an interrupted factorization, lack of memory, or a lost rank to a fatal failure; other failures are returned unchanged.
     pub fn or_end(self, time: f64) -> Self {
         match self {
             Failure::Linear(LinearError::Interrupted) => Failure::Fatal(StepError::Interrupted { time }),
+            Failure::Linear(LinearError::Ranks(source)) => Failure::Fatal(StepError::Ranks { time, source }),
             Failure::Linear(LinearError::OutOfMemory { unknowns, needed }) => {
                 Failure::Fatal(StepError::OutOfMemory { time, unknowns, needed })
             }

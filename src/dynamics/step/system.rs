@@ -115,8 +115,10 @@ where
         loads.extend(varying_gravity(model, &nodes.nodal_mass));
         let workers = Workers::new(threads);
         pairs.iter_mut().for_each(|pair| pair.kernel.share_among(&workers));
-        let matrix =
-            Matrix::new(pattern, solver, &nodes.reference, &workers).map_err(|error| ModelError::TooLarge { reason: error.to_string() })?;
+        let matrix = Matrix::new(pattern, solver, &nodes.reference, &workers).map_err(|error| match error {
+            LinearError::Ranks(error) => ModelError::Ranks(error),
+            error => ModelError::TooLarge { reason: error.to_string() },
+        })?;
         let equations = Equations {
             nodes,
             supports,
@@ -155,7 +157,7 @@ impl<const D: usize> System<D> {
         self.matrix.solver.work()
     }
 
-    /// Matrices that the direct solver took over from the iterative one.
+    /// Matrices that the direct solver took over from the chosen one.
     pub fn taken_over(&self) -> TakenOver {
         self.matrix.solver.taken_over()
     }
@@ -163,6 +165,11 @@ impl<const D: usize> System<D> {
     /// Memory of the matrix factors `[bytes]`.
     pub fn factor_bytes(&self) -> usize {
         self.matrix.solver.bytes()
+    }
+
+    /// Largest memory of each rank of a distributed solver `[bytes]`; empty for others.
+    pub fn rank_bytes(&self) -> &[u64] {
+        self.matrix.solver.rank_bytes()
     }
 
     /// Sets the interrupt flag and progress counter of long factorizations.

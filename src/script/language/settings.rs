@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicBool, AtomicU32};
 use std::time::Duration;
 
 use super::limits::MAX_OPERATIONS;
+use crate::linear::SolverChoice;
 use crate::output::LiveReport;
 
 /// Mode of a session.
@@ -41,6 +42,8 @@ pub struct Settings {
     pub output: Option<PathBuf>,
     /// Threads of the element loop.
     pub threads: usize,
+    /// Linear solver in place of the one that the script chooses.
+    pub solver: Option<SolverChoice>,
     /// Default number of points of a study that are computed simultaneously, each on a thread.
     pub workers: usize,
     /// Operations after which a script counts as endless; time spent in native functions does not count.
@@ -67,6 +70,7 @@ impl Default for Settings {
             allow_read: Vec::new(),
             output: None,
             threads: 1,
+            solver: None,
             workers: processors(),
             max_operations: MAX_OPERATIONS,
             interrupt: Arc::default(),

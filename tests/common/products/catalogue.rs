@@ -141,6 +141,8 @@ impl Catalogue {
         let makers = makers.into_iter().flat_map(|(factor, names)| names.into_iter().map(move |name| (factor, name))).collect();
         let factor = |name: &'static str, rows: Vec<String>| Factor { name, rows };
         let words = |rows: &[&str]| with(rows, Vec::new());
+        // The distributed solver needs programs that not every machine has.
+        let solvers = choices(&registry, "simulate", "solver").into_iter().filter(|name| name != "mumps").collect();
         let factors = vec![
             factor("cell", plain_first(cells, "quad4")),
             factor("plane", plain_first(choices(&registry, "add_body", "plane"), "strain")),
@@ -164,7 +166,7 @@ impl Catalogue {
             factor("support", words(&["none", "fix", "fix_x", "prescribe", "prescribe_angle", "add_symmetry", "add_periodic"])),
             factor("integrator", integrators),
             factor("steps", words(&["fixed", "auto"])),
-            factor("solver", plain_first(choices(&registry, "simulate", "solver"), "auto")),
+            factor("solver", plain_first(solvers, "auto")),
             factor("declared", words(&["none", "SI", "mm-N-t", "US"])),
             factor("task", words(&TASKS)),
             factor("trial", words(&TRIALS)),

@@ -97,7 +97,7 @@ fn finish_simulation(
         ..common(host, ended)
     };
     summary.book(&found.account);
-    summary.count(&simulation.statistics());
+    summary.count(&simulation.statistics(), simulation.rank_bytes());
     summary.tell(&found.findings, simulation.halvings());
     summary.judge(&drifts(&*history, simulation.loads_ended(), Some(Inertia::of(&data.model.model))));
     let mut artifacts = data.artifacts.borrow_mut();

@@ -113,7 +113,7 @@ impl SimulationHandle {
         data.spent.set(data.spent.get() + begun.elapsed());
         match &settled {
             Ok(report) => self.take_down(computation, Outcome::Settled(report.clone()), &before, simulation.tally()),
-            Err(StepError::Interrupted { .. }) => simulation.count_from(&tally),
+            Err(StepError::Interrupted { .. } | StepError::Ranks { .. }) => simulation.count_from(&tally),
             Err(_) => self.take_down(computation, Outcome::Failed, &before, simulation.tally()),
         }
         drop(simulation);

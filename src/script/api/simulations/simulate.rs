@@ -67,33 +67,41 @@ fn simulate() -> Function {
                 Kind::Options(
                     [
                         vec![
-                    Parameter::new("integrator", Kind::Handle(IntegratorHandle::NAME), "the time integrator"),
-                    Parameter::new("dt", STEP_SIZE, "the step size").of("time").within(Interval::Positive),
-                    Parameter::number(
-                        "tolerance",
-                        "1",
-                        Interval::Open(0.0, 1.0),
-                        "Newton's tolerance: the energy that the residual can still move, relative to the energy scale",
-                    )
-                    .or(Absent::Number(NEWTON_ENERGY)),
-                    Parameter::new(
-                        "solver",
-                        Kind::Choice(&["auto", "direct", "iterative"]),
-                        "how linear systems are solved: by a factorization, by iteration (GMRES with algebraic multigrid), or by iteration \
-                         from 100 000 unknowns on in space",
-                    )
-                    .or(Absent::Text("auto")),
-                    Parameter::new("max_halvings", Kind::Integer, "how often a step that fails may be halved")
-                        .within(Interval::Closed(0.0, 50.0))
-                        .or(Absent::Integer(7)),
-                    Parameter::number(
-                        "fields_every",
-                        "time",
-                        Interval::Positive,
-                        "the time between two frames of the fields in `fields.pvd`",
-                    )
-                    .or(Absent::Means("the first and the last state only")),
-                    ],
+                            Parameter::new("integrator", Kind::Handle(IntegratorHandle::NAME), "the time integrator"),
+                            Parameter::new("dt", STEP_SIZE, "the step size").of("time").within(Interval::Positive),
+                            Parameter::number(
+                                "tolerance",
+                                "1",
+                                Interval::Open(0.0, 1.0),
+                                "Newton's tolerance: the energy that the residual can still move, relative to the energy scale",
+                            )
+                            .or(Absent::Number(NEWTON_ENERGY)),
+                            Parameter::new(
+                                "solver",
+                                Kind::Choice(&["auto", "direct", "iterative", "mumps"]),
+                                "how linear systems are solved: by a factorization, by iteration (GMRES with algebraic multigrid), by a \
+                         factorization on several machines (MUMPS, which is installed apart), or by iteration from 100 000 unknowns on in \
+                         space; `conserva run --solver` replaces it",
+                            )
+                            .or(Absent::Text("auto")),
+                            Parameter::new(
+                                "ranks",
+                                Kind::Integer,
+                                "the number of processes of the solver `mumps`; 0: those that `mpirun` has started, or one",
+                            )
+                            .within(Interval::Closed(0.0, f64::from(u16::MAX)))
+                            .or(Absent::Integer(0)),
+                            Parameter::new("max_halvings", Kind::Integer, "how often a step that fails may be halved")
+                                .within(Interval::Closed(0.0, 50.0))
+                                .or(Absent::Integer(7)),
+                            Parameter::number(
+                                "fields_every",
+                                "time",
+                                Interval::Positive,
+                                "the time between two frames of the fields in `fields.pvd`",
+                            )
+                            .or(Absent::Means("the first and the last state only")),
+                        ],
                         still_parameters().into(),
                         vec![Parameter::new(
                         "accept_overlap",
@@ -125,7 +133,14 @@ fn make(call: &Call) -> Result<SimulationHandle, Failure> {
     let mut kernel = Options::new(&integrator, 0.0);
     kernel.tolerance = options.number("tolerance")?;
     let solver = options.text("solver")?;
-    kernel.solver = SolverChoice::ALL.into_iter().find(|(name, _)| *name == solver).map_or(SolverChoice::Auto, |(_, choice)| choice);
+    let chosen = SolverChoice::ALL.into_iter().find(|(name, _)| *name == solver).map_or(SolverChoice::Auto, |(_, choice)| choice);
+    let ranks = options.integer("ranks")? as u16;
+    let chosen = if let SolverChoice::Mumps { .. } = chosen { SolverChoice::Mumps { ranks } } else { chosen };
+    kernel.solver = match call.host.settings.solver.unwrap_or(chosen) {
+        // A check takes no steps, and starts no processes.
+        SolverChoice::Mumps { .. } if call.host.is_check() => SolverChoice::Auto,
+        chosen => chosen,
+    };
     kernel.max_halvings = options.integer("max_halvings")? as usize;
     kernel.threads = call.host.settings.threads;
     kernel.interrupt = Some(call.host.settings.interrupt.clone());

@@ -25,6 +25,8 @@ impl SimulationHandle {
         let (title, hint, code) = (told(error.to_string()), told(error.remedy()), error.code());
         let failure = match error {
             StepError::Interrupted { time } => interrupted(told(format!("interrupted at t = {}", brief(time)))).hint(hint),
+            // The run can be resumed from its last accepted step, as after an interrupt.
+            StepError::Ranks { .. } => interrupted(title).hint(hint),
             StepError::StillOverlaps { depth, facets, at, .. } => call.fail(title).cause(self.overlap_text(depth, facets, &at)).hint(hint),
             StepError::OutOfMemory { .. }
             | StepError::Contradiction { .. }

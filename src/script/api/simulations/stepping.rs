@@ -219,10 +219,14 @@ impl SimulationHandle {
             data.spent.set(data.spent.get() + begun.elapsed());
             self.tell_halvings(call.host, &simulation, tally.causes(), &start.row);
             match &stepped {
-                Err(StepError::Interrupted { .. }) => {
+                Err(error @ (StepError::Interrupted { .. } | StepError::Ranks { .. })) => {
                     // Only whole steps are kept, because continuing from a substep would not give identical bytes.
                     simulation.restore(&start);
                     simulation.count_from(&tally);
+                    if let StepError::Ranks { source, .. } = error {
+                        let lost = StepError::Ranks { time: start.row.time, source: *source };
+                        return Err(self.step_failure(call, lost).into());
+                    }
                     let stopped = interrupted(format!("interrupted at t = {}", brief(start.row.time)));
                     return Err(stopped.hint("everything up to this time is kept").into());
                 }
