@@ -206,8 +206,8 @@ fn property(name: &'static str, returns: &'static str, summary: &'static str, re
 
 fn critical() -> Function {
     let summary = "where the stiffness is singular, an array of maps with `kind` (\"limit point\" where the load has an extremum, \
-                   \"bifurcation\" where another path branches off), `load` (also as `time`, the name of the path's column) and `after`, the \
-                   point before it";
+                   \"bifurcation\" where another path branches off), `load` (also as `time`, the name of the path's column) and `after`, \
+                   the point before it";
     property("critical", "Array", summary, |path| {
         let of = |point: &crate::dynamics::CriticalPoint| {
             let load = path.script_time(point.load);
