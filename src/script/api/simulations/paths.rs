@@ -206,12 +206,15 @@ fn property(name: &'static str, returns: &'static str, summary: &'static str, re
 
 fn critical() -> Function {
     let summary = "where the stiffness is singular, an array of maps with `kind` (\"limit point\" where the load has an extremum, \
-                   \"bifurcation\" where another path branches off), `load` and `after`, the point before it";
+                   \"bifurcation\" where another path branches off), `load` (also as `time`, the name of the path's column) and `after`, \
+                   the point before it";
     property("critical", "Array", summary, |path| {
         let of = |point: &crate::dynamics::CriticalPoint| {
-            let entries: [(&str, Dynamic); 3] = [
+            let load = path.script_time(point.load);
+            let entries: [(&str, Dynamic); 4] = [
                 ("kind", kind_of(point.kind).into()),
-                ("load", path.script_time(point.load).into()),
+                ("load", load.into()),
+                ("time", load.into()),
                 ("after", (point.after as i64).into()),
             ];
             Dynamic::from(entries.into_iter().map(|(name, value)| (name.into(), value)).collect::<Map>())
