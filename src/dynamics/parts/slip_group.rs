@@ -91,12 +91,14 @@ impl SlipGroup<'_> {
         }
     }
 
-    /// New state and magnitude of the violation that requires it, or `None`; `self` has the values of the frozen linearization.
-    pub fn change(&self, state: RowState) -> Option<(RowState, f64)> {
-        match self {
-            SlipGroup::Row(row) => row.change(state),
-            SlipGroup::Pair(rows) => rows.change(state),
-            SlipGroup::Triple(rows) => rows.change(state),
+    /// New state and magnitude of the violation that requires it, or `None`; `self` has the values of the frozen linearization at the
+    /// iterate `iterate`.
+    pub fn change(&self, state: RowState, iterate: &Self) -> Option<(RowState, f64)> {
+        match (self, iterate) {
+            (SlipGroup::Row(row), _) => row.change(state),
+            (SlipGroup::Pair(rows), SlipGroup::Pair(iterate)) => rows.change(state, iterate),
+            (SlipGroup::Triple(rows), SlipGroup::Triple(iterate)) => rows.change(state, iterate),
+            _ => None,
         }
     }
 }

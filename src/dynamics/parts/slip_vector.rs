@@ -196,15 +196,21 @@ impl<const N: usize> SlipVector<'_, N> {
         })
     }
 
-    /// New state and magnitude of the violation that requires it, or `None`; `self` has the values of the frozen linearization.
-    pub fn change(&self, state: RowState) -> Option<(RowState, f64)> {
+    /// New state and magnitude of the violation that requires it, or `None`; `self` has the values of the frozen linearization at the
+    /// iterate `iterate`.
+    ///
+    /// The frozen equations of slip have the direction `e` of the trial at the iterate and leave the multiplier across `e` to the condition
+    /// of no slip across, so that stick and slip are decided along `e`: stick by `s . e <= L`, slip by `-u . e >= 0`. With `|s| <= L` no set
+    /// would be a solution where the multiplier of a node at its limit turns: across `e` it exceeds the limit in both states.
+    pub fn change(&self, state: RowState, iterate: &Self) -> Option<(RowState, f64)> {
         let (dry, stop, c) = (self.dry(), self.stop(), self.pressed.c);
         let most = self.limit([0.0; N]).shear / c;
-        // Speed opposite to the multiplier, and multiplier opposite to the slip.
-        let (forward, against) = (-dot(direction(dry), self.slip), -dot(dry, direction(self.slip)) / c);
+        let e = direction(iterate.trial(iterate.pace()));
+        // Slip against the trial, and multiplier opposite to the slip.
+        let (forward, against) = (-dot(e, self.slip), -dot(dry, direction(self.slip)) / c);
         let (next, off) = match state {
             RowState::Open | RowState::Closed if stop > 0.0 => (RowState::Turns, size(self.slip)),
-            RowState::Open | RowState::Closed => (RowState::Forward, size(dry) / c - most),
+            RowState::Open | RowState::Closed => (RowState::Forward, dot(e, dry) / c - most),
             RowState::Turns => (RowState::Stops, size(self.slip) - stop),
             RowState::Stops if against < 0.0 => (RowState::Turns, -against),
             RowState::Stops => (RowState::Forward, against - self.limit(self.rest).shear / c),
@@ -253,7 +259,7 @@ mod tests {
                 let at = rows(&law, 2.0, lambda, slip, [0.0, r]);
                 assert_eq!(at.first_state(), state);
                 assert!(at.residual().0 < 1e-15 && dot(lambda, slip) <= 0.0, "{state:?}");
-                assert_eq!(at.change(state), None, "{state:?}");
+                assert_eq!(at.change(state, &at), None, "{state:?}");
                 // The equations are satisfied there by a zero increment.
                 for (k, equation) in at.equations(state).into_iter().enumerate() {
                     let Equation { diagonal, normal, beside, right, .. } = equation;
@@ -273,7 +279,7 @@ mod tests {
             for (index, (lambda, slip, _)) in places.iter().enumerate() {
                 let at = rows(&law, 2.0, *lambda, *slip, [0.0, r]);
                 for (other, (.., wrong)) in places.iter().enumerate() {
-                    let asked = at.change(*wrong).map(|(next, _)| next);
+                    let asked = at.change(*wrong, &at).map(|(next, _)| next);
                     let next = if other < index { other + 1 } else { other.saturating_sub(1) };
                     assert!(asked.is_none() || asked == Some(places[next].2), "{slip:?}: {wrong:?} asks for {asked:?}");
                 }

@@ -169,10 +169,11 @@ where
         for place in slips_at(self.system, at).filter(takes_part) {
             let first = place.rows.start;
             // A slip starts in the direction of the trial multiplier, which is defined at a later iterate.
-            if !place.at(self.task.conditions, at).is_directed() {
+            let iterate = place.at(self.task.conditions, at);
+            if !iterate.is_directed() {
                 continue;
             }
-            let Some((state, violation)) = place.with(self.task.conditions, gaps, lambda).change(set[first]) else { continue };
+            let Some((state, violation)) = place.with(self.task.conditions, gaps, lambda).change(set[first], &iterate) else { continue };
             next[place.rows].fill(state);
             if violation > largest {
                 (largest, worst) = (violation, Some(first));
