@@ -69,7 +69,7 @@ impl Part for Dashpot {
     fn energy(&self, _at: Pose, _memory: &[f64]) -> f64 {
         0.0
     }
-    fn remembered(&self, at: &Iterate, _memory: &[f64]) -> Result<PartStepResult, StepError> {
+    fn after_step(&self, at: &Iterate, _memory: &[f64]) -> Result<PartStepResult, StepError> {
         let [a, b] = self.placed.0.map(|node| 2 * node as usize);
         let power = (0..2).map(|i| self.viscosity * (at.velocity[b + i] - at.velocity[a + i]).powi(2)).sum::<f64>();
         Ok(PartStepResult { dissipated: at.dt * power, ..PartStepResult::default() })

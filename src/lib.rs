@@ -98,7 +98,7 @@
 //!     fn energy(&self, _: Pose, _: &[f64]) -> f64 {
 //!         0.0
 //!     }
-//!     fn remembered(&self, at: &Iterate, _: &[f64]) -> Result<PartStepResult, StepError> {
+//!     fn after_step(&self, at: &Iterate, _: &[f64]) -> Result<PartStepResult, StepError> {
 //!         let power: f64 = (0..2).map(|i| self.viscosity * self.rate(at, i).powi(2)).sum();
 //!         Ok(PartStepResult { dissipated: at.dt * power, ..PartStepResult::default() })
 //!     }

@@ -15,7 +15,7 @@
 use std::ops::Range;
 
 use super::batch::{Batch, Table, many};
-use super::completion::Share;
+use super::completion::AddedForce;
 use super::consistent_mass::{MassRule, summed};
 use super::element_loop::{Advance, BodyState, ElementLoop, FastestCell, ForcePerMass, Inverted, PointStress, Step};
 use super::physics::Physics;
@@ -205,7 +205,7 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
             }
             let share = geometric.unwrap_or_default() * work.geometric_share(step.derivative.placement().share);
             let Step { derivative, weight, .. } = *step;
-            let share = Share { derivative, weight, with_tangent: geometric.is_some(), geometric: share };
+            let share = AddedForce { derivative, weight, with_tangent: geometric.is_some(), geometric: share };
             work.complete(answer, &points, table, is_axisymmetric, share);
         }
         true

@@ -13,7 +13,7 @@ use crate::math::tensor::{mandel_index, mandel_place, mandel_scale};
 
 /// Weights of the added forces in a step, and options of their derivative.
 #[derive(Clone, Copy)]
-pub(super) struct Share {
+pub(super) struct AddedForce {
     pub(super) derivative: Derivative,
     /// Weight of the force.
     pub(super) weight: f64,
@@ -32,7 +32,7 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
         points: &SpecialPoints<D>,
         table: &Table<D, A, Q>,
         is_axisymmetric: bool,
-        share: Share,
+        share: AddedForce,
     ) {
         let Placement { test, trial, .. } = share.derivative.placement();
         let stretch = |q: usize, at: Configuration| match at {
@@ -50,7 +50,7 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
             self.add_around(&answer.responses, table, &around, (share, trial));
         }
         if let Some(rates) = answer.rates.as_ref().filter(|_| is_axisymmetric && share.with_tangent) {
-            self.add_around(rates, table, &at_end, (Share { geometric: 0.0, ..share }, Configuration::End));
+            self.add_around(rates, table, &at_end, (AddedForce { geometric: 0.0, ..share }, Configuration::End));
         }
         if share.with_tangent
             && let Some((modes, slopes)) = &answer.dilatation
@@ -66,7 +66,7 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
         responses: &[Response<L>; MOST_POINTS],
         table: &Table<D, A, Q>,
         around: &[[Lanes<FMA>; 2]; Q],
-        (share, trial): (Share, Configuration),
+        (share, trial): (AddedForce, Configuration),
     ) {
         let Placement { test, .. } = share.derivative.placement();
         for q in 0..many::<Q>() {
@@ -121,7 +121,7 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
         answer: &Answer<L>,
         table: &Table<D, A, Q>,
         around: &[[Lanes<FMA>; 2]; Q],
-        share: Share,
+        share: AddedForce,
         (modes, slopes): (&Modes, &[[Lanes<false>; MOST_MODES]; MOST_MODES]),
     ) {
         let Placement { test, trial, .. } = share.derivative.placement();

@@ -31,6 +31,6 @@ pub use formulation::{Dilatation, Formulation, FormulationError, Plane};
 pub use kinds::{Elements, Space};
 pub use physics::BodyCells;
 pub use recovery::Recovery;
-pub use rigid::{Frame, Inertia, RigidMass};
+pub use rigid::{BarycentricMap, Inertia, RigidMass};
 pub use stresses::{StressError, Stresses};
 pub use surface_loads::{face_pressure, face_pressure_arms, nodal_areas, pressure_shares, round_pressure, torque_forces};

@@ -107,7 +107,7 @@ where
 
 /// Map from the masters of a rigid body to its points.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Frame {
+pub struct BarycentricMap {
     /// Masters: `D + 1` nodes of the mesh.
     pub masters: Vec<u32>,
     /// Gradients of the barycentric coordinates of the masters in the reference positions `[1/length]`.
@@ -116,7 +116,7 @@ pub struct Frame {
     origin: Vector3<f64>,
 }
 
-impl Frame {
+impl BarycentricMap {
     /// Returns the frame of a mesh, with masters as far from each other as possible; `None` if all nodes lie in one plane (plane bodies: on
     /// one line).
     pub fn new(mesh: &Mesh) -> Option<Self> {
@@ -148,7 +148,7 @@ impl Frame {
         let others: Vec<Vector3<f64>> = (0..dimension).map(|k| inverse.column(k).into()).collect();
         let first = -others.iter().sum::<Vector3<f64>>();
         let gradients = std::iter::once(first).chain(others).collect();
-        Some(Frame { masters: masters.into_iter().map(|node| node as u32).collect(), gradients, origin })
+        Some(BarycentricMap { masters: masters.into_iter().map(|node| node as u32).collect(), gradients, origin })
     }
 
     /// Barycentric coordinates `a_i` of a point of the body, given its reference position; they sum to one.
@@ -194,7 +194,7 @@ pub struct RigidMass {
 
 impl RigidMass {
     /// Mass of a rigid body at its masters; node numbers of the mesh start at `first_node` in the model.
-    pub fn new(mesh: &Mesh, frame: &Frame, inertia: &Inertia, first_node: usize) -> Self {
+    pub fn new(mesh: &Mesh, frame: &BarycentricMap, inertia: &Inertia, first_node: usize) -> Self {
         RigidMass {
             cliques: vec![frame.masters.iter().map(|node| node + first_node as u32).collect()],
             nodes: first_node..first_node + mesh.points.len(),
@@ -326,7 +326,7 @@ mod tests {
         assert!((inertia.mass - 12.0).abs() < 1e-12);
         let expected = [5.0, 10.0, 13.0];
         assert!(inertia.principal_moments().iter().zip(expected).all(|(moment, expected)| (moment - expected).abs() < 1e-12));
-        let frame = Frame::new(&mesh).unwrap();
+        let frame = BarycentricMap::new(&mesh).unwrap();
         let masses = frame.masses(&inertia);
         let points: Vec<Vector3<f64>> = frame.masters.iter().map(|&node| mesh.points[node as usize].into()).collect();
         let (total, first) = masses
@@ -342,7 +342,7 @@ mod tests {
     #[test]
     fn every_node_is_a_combination_of_the_masters() {
         let mesh = rectangle([2.0, 1.0], [3, 2], [1.0, -4.0]).unwrap();
-        let frame = Frame::new(&mesh).unwrap();
+        let frame = BarycentricMap::new(&mesh).unwrap();
         for point in &mesh.points {
             let shares = frame.shares(*point);
             assert!((shares.iter().sum::<f64>() - 1.0).abs() < 1e-14);
@@ -356,7 +356,7 @@ mod tests {
     fn tied_nodes_take_their_mass_from_the_masters() {
         let steel = NeoHookean { youngs_modulus: 1.0, poisson_ratio: 0.3, density: 2.0 }.material().unwrap();
         let mesh = rectangle([2.0, 1.0], [3, 2], [1.0, -4.0]).unwrap();
-        let (frame, inertia) = (Frame::new(&mesh).unwrap(), Inertia::of_mesh(&mesh, &steel, Formulation::default()).unwrap());
+        let (frame, inertia) = (BarycentricMap::new(&mesh).unwrap(), Inertia::of_mesh(&mesh, &steel, Formulation::default()).unwrap());
         let others = (0..mesh.points.len() as u32).filter(|node| !frame.masters.contains(node));
         let tied: Vec<(u32, Vec<f64>)> = others.map(|node| (node, frame.shares(mesh.points[node as usize]))).collect();
         let speeds = [0.3, -1.2, 2.0];

@@ -38,7 +38,7 @@ pub static AVERAGED_MORTAR: ContactMethod = ContactMethod {
 };
 
 /// Search distance beyond the required one, in shortest secondary facets.
-const SPARE: f64 = 1.0;
+const SEARCH_MARGIN: f64 = 1.0;
 
 /// Nodes `x_0, x_1, x_2, x_3, y_1, y_2` of a contact element, and the coefficient of each in the difference vectors `[6 x 5]`.
 const ROLES: usize = 6;
@@ -61,7 +61,7 @@ pub struct AveragedMortar {
     /// degrees and at ends of chains.
     neighbors: Vec<[Option<u32>; 2]>,
     pairs: Vec<Pair>,
-    start: Vec<Start>,
+    start: Vec<PairStart>,
 }
 
 /// Candidate facet pair: index of each of the six nodes in the contact element; `None` for a missing neighbor.
@@ -74,7 +74,7 @@ struct Pair {
 
 /// Positions, difference vectors and weighted gaps of a facet pair at the start of the step.
 #[derive(Clone, Debug)]
-struct Start {
+struct PairStart {
     positions: Vec<f64>,
     value: Option<Values<f64>>,
 }
@@ -90,7 +90,7 @@ impl AveragedMortar {
     /// Contact of two surfaces given by their facets (model node numbers, the body on the left), sized in the reference positions.
     pub fn new(secondary: &[[u32; 2]], primary: &[[u32; 2]], reference: &[f64]) -> Self {
         let sides = Sides::new(secondary, primary, reference);
-        let search = PairSearch::new(&sides, reference, SPARE * sides.facet_size);
+        let search = PairSearch::new(&sides, reference, SEARCH_MARGIN * sides.facet_size);
         let neighbors = (0..sides.secondary.facets().len()).map(|facet| neighbors(&sides.secondary, facet, reference)).collect();
         AveragedMortar { sides, search, neighbors, pairs: Vec::new(), start: Vec::new() }
     }
@@ -250,7 +250,7 @@ impl PatchFunctions for AveragedMortar {
     fn begin_step(&mut self, q_0: &[f64]) {
         let starts = self.pairs.iter().enumerate().map(|(p, pair)| {
             let positions = self.gather(p, q_0);
-            Start { value: pair.values(&positions), positions }
+            PairStart { value: pair.values(&positions), positions }
         });
         self.start = starts.collect();
     }

@@ -222,7 +222,7 @@ impl Chain {
             }
             return;
         }
-        let Frame { nodes, normal, s, .. } = self.frame(measure.facet, z);
+        let FacetFrame { nodes, normal, s, .. } = self.frame(measure.facet, z);
         for (node, share) in nodes.into_iter().zip([1.0, s - 1.0, -s]) {
             out[2 * node] += weight * share * normal[0];
             out[2 * node + 1] += weight * share * normal[1];
@@ -259,7 +259,7 @@ impl Chain {
             }
             return;
         }
-        let Frame { nodes, normal, along, length, s, gap } = self.frame(measure.facet, z);
+        let FacetFrame { nodes, normal, along, length, s, gap } = self.frame(measure.facet, z);
         // d2g = -(t^ n' (d (x) t) + n t^' (t (x) d))/l + (s (n t^' + t^ n') - g n n'/l) (t (x) t)/l, d = x - y_1, t = y_2 - y_1.
         let (of_d, of_t) = ([1.0, -1.0, 0.0], [0.0, -1.0, 1.0]);
         let factor = weight / length;
@@ -283,11 +283,11 @@ impl Chain {
         [0, a, b]
     }
 
-    fn frame(&self, facet: u32, z: &[f64]) -> Frame {
+    fn frame(&self, facet: u32, z: &[f64]) -> FacetFrame {
         let (t, d) = self.offsets(facet as usize, z);
         let length = t[0].hypot(t[1]);
         let along = [t[0] / length, t[1] / length];
-        Frame {
+        FacetFrame {
             nodes: self.nodes(facet as usize),
             normal: [along[1], -along[0]],
             along,
@@ -319,7 +319,7 @@ fn direction(vertex: u32, z: &[f64]) -> ([f64; 2], f64) {
 }
 
 /// Local frame of a facet with the coordinates of the point in it.
-struct Frame {
+struct FacetFrame {
     nodes: [usize; 3],
     normal: [f64; 2],
     along: [f64; 2],

@@ -5,7 +5,7 @@
 
 use std::sync::Arc;
 
-use super::rigid_shape::{Obstacle, Shape};
+use super::rigid_shape::{Obstacle, PlaneOutline};
 use super::space::{Facets, ObstacleInSpace, ShapeInSpace};
 
 /// Number of points on the center circle of a torus that [`Clearance::inner_points`] returns.
@@ -18,7 +18,7 @@ pub struct Clearance {
 }
 
 enum Made {
-    Plane(Shape),
+    Plane(PlaneOutline),
     Space(ShapeInSpace),
 }
 
@@ -38,7 +38,7 @@ impl Clearance {
     pub fn new(obstacle: &Obstacle) -> Clearance {
         let made = match obstacle {
             Obstacle::InSpace(shape) => Made::Space(ShapeInSpace::new(shape)),
-            _ => Made::Plane(Shape::new(obstacle)),
+            _ => Made::Plane(PlaneOutline::new(obstacle)),
         };
         Clearance { obstacle: obstacle.clone(), made }
     }

@@ -9,7 +9,7 @@ use nalgebra::{SVector, Vector2, Vector3};
 
 use super::obstacle_side::ObstacleSide;
 use super::profile::Profile;
-use super::rigid_shape::{Obstacle, Shape};
+use super::rigid_shape::{Obstacle, PlaneOutline};
 use super::space::{ObstacleInSpace, ShapeInSpace};
 use crate::math::tolerances::{ROUND_PART, STRAIGHT};
 
@@ -29,7 +29,7 @@ pub struct ExactShape {
 
 #[derive(Clone, Debug)]
 enum Kind {
-    Plane(Shape),
+    Plane(PlaneOutline),
     Space(ShapeInSpace),
 }
 
@@ -48,7 +48,7 @@ fn height<const D: usize, S: ObstacleSide<D>>(shape: &S, x: SVector<f64, D>, nor
 }
 
 impl ExactShape {
-    /// Shape of the surface of an obstacle; `None` for obstacles with corners.
+    /// Outline of an obstacle; `None` for obstacles with corners.
     pub fn new(obstacle: &Obstacle) -> Option<Self> {
         let size = |x: &[f64; 2]| x[0].hypot(x[1]);
         let (kind, reach) = match obstacle {
@@ -56,9 +56,9 @@ impl ExactShape {
                 return None;
             }
             Obstacle::InSpace(shape) => (Kind::Space(ShapeInSpace::new(shape)), shape.reach()),
-            Obstacle::HalfPlane { .. } => (Kind::Plane(Shape::new(obstacle)), 0.0),
+            Obstacle::HalfPlane { .. } => (Kind::Plane(PlaneOutline::new(obstacle)), 0.0),
             Obstacle::Disk { center, radius } | Obstacle::Ring { center, radius } => {
-                (Kind::Plane(Shape::new(obstacle)), size(center) + radius)
+                (Kind::Plane(PlaneOutline::new(obstacle)), size(center) + radius)
             }
         };
         Some(ExactShape { kind, reach })

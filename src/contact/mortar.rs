@@ -9,10 +9,10 @@
 
 use super::kernel::{CandidateSearch, Correction, PatchFunctions, RigidObstacle};
 use super::method::ContactMethod;
-use super::multiplier_shapes::{DUAL, STANDARD, Shape, dual_around_axis};
+use super::multiplier_shapes::{DUAL, MultiplierFunctions, STANDARD, dual_around_axis};
 use super::numbers::Number;
 use super::pair::{Invariants, Offsets, Overlap, PerNode, invariants, offsets, overlaps, pull_back, slip_weights, tangent_into};
-use super::pair_step::{Differentiated, Functions, Start, combined, covered_length, dot, gradient, value};
+use super::pair_step::{Differentiated, Functions, PairStart, combined, covered_length, dot, gradient, value};
 use super::patches::Evaluation;
 use super::profile::{PairProfiles, Profile};
 use super::search::PairSearch;
@@ -45,7 +45,7 @@ pub static DUAL_MORTAR: ContactMethod = ContactMethod {
 
 /// Search distance beyond the required one, in shortest secondary facets. Larger values give fewer new matrix patterns and more stored
 /// zeros.
-const SPARE: f64 = 2.0;
+const SEARCH_MARGIN: f64 = 2.0;
 
 /// Number of displacement unknowns of a facet pair: two facets of two nodes with two components each.
 const UNKNOWNS: usize = 8;
@@ -60,7 +60,7 @@ pub struct Mortar {
     dual: bool,
     /// True for bodies of revolution: multipliers are pressure times circumference, so that a uniform pressure is linear in the radius.
     is_around_axis: bool,
-    start: Vec<Start>,
+    start: Vec<PairStart>,
     /// Round-off of positions at the start of the step `[length]`.
     round_off: f64,
     correction: Correction,
@@ -75,7 +75,7 @@ impl Mortar {
     /// neighbors and without facets that have the body between them.
     pub fn new(secondary: &[[u32; 2]], primary: &[[u32; 2]], reference: &[f64]) -> Self {
         let sides = Sides::new(secondary, primary, reference);
-        let search = PairSearch::new(&sides, reference, SPARE * sides.facet_size);
+        let search = PairSearch::new(&sides, reference, SEARCH_MARGIN * sides.facet_size);
         Mortar {
             sides,
             search,
@@ -105,7 +105,7 @@ impl Mortar {
     /// Multiplier shape functions of each pair's secondary facet in a step from `q_0`. They are dual if the facet is fully covered by
     /// participating pairs and its neighbors have opposite facets within a facet's length. If the neighbors, too, had to be covered by
     /// participating pairs, shape functions, and thus active constraints, would change throughout rolling.
-    fn shapes(&self, overlaps: &[Option<Overlap>], q_0: &[f64]) -> Vec<Shape> {
+    fn shapes(&self, overlaps: &[Option<Overlap>], q_0: &[f64]) -> Vec<MultiplierFunctions> {
         let (pairs, secondary) = (self.search.candidates.pairs(), &self.sides.secondary);
         // Covered fraction of each facet: by participating pairs, and by participating and open pairs.
         let mut covered = vec![[0.0; 2]; secondary.facets().len()];
@@ -137,7 +137,7 @@ impl Mortar {
     }
 
     /// Multiplier shape functions of a pair in this step.
-    fn shape(&self, p: usize) -> &Shape {
+    fn shape(&self, p: usize) -> &MultiplierFunctions {
         self.start.get(p).map_or(&STANDARD, |start| &start.shape)
     }
 
@@ -224,7 +224,7 @@ impl PatchFunctions for Mortar {
         let overlap = |(p, offsets): (usize, &Offsets)| Overlap::new(&invariants(offsets), self.profiles(p));
         let overlaps: Vec<Option<Overlap>> = offsets.iter().enumerate().map(overlap).collect();
         let shapes = self.shapes(&overlaps, q_0);
-        start.extend(offsets.into_iter().zip(overlaps).zip(shapes).map(|((offsets, overlap), shape)| Start {
+        start.extend(offsets.into_iter().zip(overlaps).zip(shapes).map(|((offsets, overlap), shape)| PairStart {
             offsets,
             invariants: invariants(&offsets),
             value: value(&shape, &overlap),

@@ -10,7 +10,7 @@ use crate::integrators::{Configuration, Derivative, PatchFunction, Projection};
 
 /// Values of a contact element (point and facets) that are fixed at the start of the step.
 #[derive(Clone, Debug, Default)]
-pub struct Start {
+pub struct PointStart {
     /// Participating nodes, as indices in the contact element: the point, and the nodes of admitted facets, of their neighbors and of the
     /// next neighbors.
     pub places: Vec<u32>,
@@ -58,10 +58,16 @@ struct Scratch {
     projection: Projection<2>,
 }
 
-impl Start {
+impl PointStart {
     /// Disk opposite a facet; `places` are the indices of the center and of the facet's nodes in the contact element.
-    pub fn round(places: [u32; 3], round: Round) -> Start {
-        Start { places: places.into(), chain: Chain::new(vec![[1, 2]]), closest: vec![true], round: Some(round), ..Start::default() }
+    pub fn round(places: [u32; 3], round: Round) -> PointStart {
+        PointStart {
+            places: places.into(),
+            chain: Chain::new(vec![[1, 2]]),
+            closest: vec![true],
+            round: Some(round),
+            ..PointStart::default()
+        }
     }
 
     /// Collects the positions of the participating nodes into `z`; `nodes` are those of the contact element.
@@ -83,14 +89,14 @@ impl Start {
 
     /// Stores the values at the start of the step; `nodes` are those of the contact element. `crossed` returns the facet that alone defines
     /// the gap if the point is a corner that crosses another corner (`Some(None)`: no gap). `pocket` returns the concave corner that
-    /// contains the point. If `is_sunk` holds (too deep), the pocket is removed; if it still holds, the gap is removed, too.
+    /// contains the point. If `is_overlapped` holds (too deep), the pocket is removed; if it still holds, the gap is removed, too.
     pub fn begin(
         &mut self,
         nodes: &[u32],
         q_0: &[f64],
-        crossed: impl Fn(&Start) -> Option<Option<u32>>,
-        pocket: impl Fn(&Start) -> Option<[[u32; 2]; 2]>,
-        is_sunk: impl Fn(&Start) -> bool,
+        crossed: impl Fn(&PointStart) -> Option<Option<u32>>,
+        pocket: impl Fn(&PointStart) -> Option<[[u32; 2]; 2]>,
+        is_overlapped: impl Fn(&PointStart) -> bool,
     ) {
         let mut positions = std::mem::take(&mut self.positions);
         self.gather_into(nodes, q_0, &mut positions);
@@ -106,11 +112,11 @@ impl Start {
         }
         self.pocket = pocket(self);
         self.measures = self.measures(&self.positions);
-        if is_sunk(self) {
+        if is_overlapped(self) {
             self.pocket = None;
             self.measures = self.measures(&self.positions);
         }
-        if is_sunk(self) {
+        if is_overlapped(self) {
             self.closest.fill(false);
             self.measures = [None; 2];
         }
@@ -138,7 +144,7 @@ impl Start {
 }
 
 /// Calls `visit` with the index of each constraint and its gap at `q`.
-fn for_each_measure(sides: &Sides, starts: &[Start], q: &[f64], mut visit: impl FnMut(usize, Measure)) {
+fn for_each_measure(sides: &Sides, starts: &[PointStart], q: &[f64], mut visit: impl FnMut(usize, Measure)) {
     let mut z = Vec::new();
     for (p, start) in starts.iter().enumerate() {
         start.gather_into(sides.patches.nodes(p), q, &mut z);
@@ -149,14 +155,14 @@ fn for_each_measure(sides: &Sides, starts: &[Start], q: &[f64], mut visit: impl 
 }
 
 /// Constraint functions at `q`.
-pub fn gaps(sides: &Sides, starts: &[Start], q: &[f64]) -> Vec<f64> {
+pub fn gaps(sides: &Sides, starts: &[PointStart], q: &[f64]) -> Vec<f64> {
     let mut gaps = vec![0.0; sides.weights.len()];
     for_each_measure(sides, starts, q, |row, measure| gaps[row] = sides.weights[row] * measure.gap);
     gaps
 }
 
 /// Constraint functions at the start of the step.
-pub fn start_gaps(sides: &Sides, starts: &[Start]) -> Vec<f64> {
+pub fn start_gaps(sides: &Sides, starts: &[PointStart]) -> Vec<f64> {
     let mut gaps = vec![0.0; sides.weights.len()];
     for (p, start) in starts.iter().enumerate() {
         for (&row, measure) in sides.patches.rows(p).iter().zip(start.measures) {
@@ -167,14 +173,14 @@ pub fn start_gaps(sides: &Sides, starts: &[Start]) -> Vec<f64> {
 }
 
 /// Largest penetration of a covered point at `q` `[length]`.
-pub fn deepest(sides: &Sides, starts: &[Start], q: &[f64]) -> f64 {
+pub fn deepest(sides: &Sides, starts: &[PointStart], q: &[f64]) -> f64 {
     let mut deepest = 0.0f64;
     for_each_measure(sides, starts, q, |_, measure| deepest = deepest.max(if measure.covered { -measure.gap } else { 0.0 }));
     deepest
 }
 
 /// Coverage of each constraint at `q`: 1 opposite a facet, else 0.
-pub fn coverage(sides: &Sides, starts: &[Start], q: &[f64]) -> Vec<f64> {
+pub fn coverage(sides: &Sides, starts: &[PointStart], q: &[f64]) -> Vec<f64> {
     let mut coverage = vec![0.0; sides.weights.len()];
     for_each_measure(sides, starts, q, |row, measure| coverage[row] = f64::from(u8::from(measure.covered)));
     coverage
@@ -183,7 +189,7 @@ pub fn coverage(sides: &Sides, starts: &[Start], q: &[f64]) -> Vec<f64> {
 /// Slips of points relative to the facets that define their gaps at mid-step.
 pub struct Slips<'a> {
     pub sides: &'a Sides,
-    pub starts: &'a [Start],
+    pub starts: &'a [PointStart],
     /// Rotation of round points in the step `[rad]`.
     pub turned: f64,
 }
@@ -228,7 +234,7 @@ impl SlipRows for Slips<'_> {
 }
 
 /// Values, gradients and tangent of a step that ends at `q_1`, into `out`.
-pub fn evaluate(sides: &Sides, starts: &[Start], derivative: Derivative, q_1: &[f64], lambda: &[f64], out: &mut Evaluation) {
+pub fn evaluate(sides: &Sides, starts: &[PointStart], derivative: Derivative, q_1: &[f64], lambda: &[f64], out: &mut Evaluation) {
     assert_eq!(starts.len(), sides.patches.len(), "begin_step follows a change of the candidates");
     out.prepare(&sides.patches, sides.weights.len());
     let mut scratch = Scratch::default();

@@ -16,7 +16,7 @@ use super::chain::Chain;
 use super::depth::NodePosition;
 use super::kernel::{CandidateSearch, PatchFunctions, RigidObstacle};
 use super::method::ContactMethod;
-use super::node_patch::{self, Start};
+use super::node_patch::{self, PointStart};
 use super::patches::Evaluation;
 use super::profile::Profile;
 use super::search::{Candidates, within_the_body};
@@ -40,7 +40,7 @@ pub static NODE_TO_SEGMENT: ContactMethod = ContactMethod {
 };
 
 /// Search distance beyond the required one, in shortest secondary facets.
-const SPARE: f64 = 1.0;
+const SEARCH_MARGIN: f64 = 1.0;
 
 /// Cosine of the smallest angle at a corner of a rigid chain, 0.1 degrees: a corner between two nodes of the other surface has no other
 /// constraint.
@@ -48,7 +48,7 @@ const RIGID_CORNER: f64 = 0.999_998;
 
 /// Penetration, in shortest facets, beyond which a node has no corner constraint: initial overlaps are resolved by the constraints of the
 /// surfaces, on which corner constraints would depend linearly.
-const SUNK: f64 = 0.15;
+const OVERLAP_OF_SURFACES: f64 = 0.15;
 
 /// Smallest angle of a concave corner (pocket) in degrees; `POCKET_REACH`: largest distance of a node from its vertex, in shortest facets.
 const POCKET: f64 = 3.0;
@@ -66,7 +66,7 @@ pub struct NodeToSegment {
     window: Window,
     /// Primary facets of each contact element, ascending: candidates, their neighbors and next neighbors.
     facets: Vec<Vec<u32>>,
-    start: Vec<Start>,
+    start: Vec<PointStart>,
     /// Height profiles of the primary facets; empty for straight facets.
     profiles: Vec<Profile>,
     /// Heights of the secondary curves over the secondary nodes, outwards `[length]`; empty for straight facets.
@@ -145,7 +145,7 @@ impl NodeToSegment {
     fn between(sides: Sides, reference: &[f64]) -> Self {
         let (secondary, primary) = (&sides.secondary, &sides.primary);
         let points = Surface::new(&secondary.nodes().iter().map(|&node| [node; 2]).collect::<Vec<_>>());
-        let candidates = Candidates::new(SPARE * sides.facet_size).without(points_within_the_body(secondary, primary, reference));
+        let candidates = Candidates::new(SEARCH_MARGIN * sides.facet_size).without(points_within_the_body(secondary, primary, reference));
         let window = Window::new(&sides, reference);
         NodeToSegment {
             sides,
@@ -231,11 +231,11 @@ impl NodeToSegment {
         seen.distance <= self.sides.facet_size + predicted_motion.motion_bound::<2>(&[node], &ends) + predicted_motion.depth
             && normals.iter().any(is_opposite)
             && self.window.admits_depth(0, self.own_facets(point), facet, depth)
-            && (self.corners.is_none() || seen.gap > -(SUNK * self.sides.facet_size).max(self.window.depth()))
+            && (self.corners.is_none() || seen.gap > -(OVERLAP_OF_SURFACES * self.sides.facet_size).max(self.window.depth()))
     }
 
     /// Participating facets and nodes of contact element `p` in this step.
-    fn prepare(&self, p: usize, predicted_motion: &PredictedMotion) -> Start {
+    fn prepare(&self, p: usize, predicted_motion: &PredictedMotion) -> PointStart {
         let (point, nodes, primary) = (self.point(p), self.sides.patches.nodes(p), &self.sides.primary);
         let normals = self.normals(point, predicted_motion.q);
         let is_admitted = |facet: u32| {
@@ -265,18 +265,18 @@ impl NodeToSegment {
         let closest = facets.iter().map(|facet| closest.binary_search(facet).is_ok()).collect();
         let profiles = facets.iter().filter_map(|&facet| self.profiles.get(facet as usize).copied()).collect();
         let own_height = self.own_heights.get(point).copied().unwrap_or(0.0);
-        Start {
+        PointStart {
             places,
             chain: Chain::new(chain).with_profiles(profiles),
             closest,
             own_height,
             slack: slack.unwrap_or(1.0),
-            ..Start::default()
+            ..PointStart::default()
         }
     }
 
     /// Concave corner (pocket) of the other side that contains the point, if the point is near its vertex.
-    fn pocket(&self, start: &Start) -> Option<[[u32; 2]; 2]> {
+    fn pocket(&self, start: &PointStart) -> Option<[[u32; 2]; 2]> {
         self.corners.as_ref()?;
         let measure = start.chain.measure(&start.positions, &start.closest)?;
         let is_near = measure.covered && start.chain.distance(measure.facet, &start.positions) <= POCKET_REACH * self.sides.facet_size;
@@ -285,7 +285,7 @@ impl NodeToSegment {
     }
 
     /// Facet whose line defines the gap of a corner that crosses a corner of the other side; `Some(None)`: no gap; `None`: no crossing.
-    fn crossed(&self, p: usize, start: &Start, q: &[f64]) -> Option<Option<u32>> {
+    fn crossed(&self, p: usize, start: &PointStart, q: &[f64]) -> Option<Option<u32>> {
         // If corners of the other side have no constraints, the usual gap applies.
         let Some(Corners::Bends { is_mutual: true, .. }) = self.corners else { return None };
         let measure = start.chain.measure(&start.positions, &start.closest)?;
@@ -315,8 +315,8 @@ impl NodeToSegment {
     }
 
     /// True if a corner is too deep for a constraint: the facets belong to the far side of the body, or to an initial overlap.
-    fn is_sunk(&self, start: &Start) -> bool {
-        self.corners.is_some() && start.measures.iter().flatten().any(|measure| measure.gap <= -SUNK * self.sides.facet_size)
+    fn is_overlapped(&self, start: &PointStart) -> bool {
+        self.corners.is_some() && start.measures.iter().flatten().any(|measure| measure.gap <= -OVERLAP_OF_SURFACES * self.sides.facet_size)
     }
 }
 
@@ -387,8 +387,8 @@ impl PatchFunctions for NodeToSegment {
     fn begin_step(&mut self, q_0: &[f64]) {
         let mut starts = std::mem::take(&mut self.start);
         for (p, start) in starts.iter_mut().enumerate() {
-            let crossed = |start: &Start| self.crossed(p, start, q_0);
-            start.begin(self.sides.patches.nodes(p), q_0, crossed, |start| self.pocket(start), |start| self.is_sunk(start));
+            let crossed = |start: &PointStart| self.crossed(p, start, q_0);
+            start.begin(self.sides.patches.nodes(p), q_0, crossed, |start| self.pocket(start), |start| self.is_overlapped(start));
         }
         self.start = starts;
     }

@@ -191,13 +191,13 @@ impl OnCurves {
     }
 
     /// Transforms an evaluation of the inner method to the nodes, for normal constraints (`each` = 1) or `each` tangential constraints per
-    /// normal one. `pressing` are the inner multipliers.
+    /// normal one. `inner_lambda` are the inner multipliers.
     fn on_nodes(
         &self,
         [of, own]: [&Patches; 2],
         each: usize,
         inner: &Evaluation,
-        pressing: Option<&[f64]>,
+        inner_lambda: Option<&[f64]>,
         half: &mut Vec<f64>,
         out: &mut Evaluation,
     ) {
@@ -206,8 +206,9 @@ impl OnCurves {
             self.rows.parts(entry / each).iter().for_each(|&(row, part)| out.gap[each * row as usize + entry % each] += part * gap);
         }
         self.cover(each, &inner.coverage, &mut out.coverage);
-        let is_pressed =
-            |member: &Member| pressing.is_some_and(|pressing| of.rows(member.patch).iter().any(|&row| pressing[row as usize] != 0.0));
+        let is_pressed = |member: &Member| {
+            inner_lambda.is_some_and(|inner_lambda| of.rows(member.patch).iter().any(|&row| inner_lambda[row as usize] != 0.0))
+        };
         for (p, members) in self.members.iter().enumerate() {
             let live = || members.iter().filter(|member| inner.live[member.patch]);
             if live().next().is_none() {
@@ -228,15 +229,15 @@ impl OnCurves {
     /// Values and gradients of a step, with or without the tangent.
     fn evaluate_inner(&self, derivative: Derivative, q_1: &[f64], lambda: &[f64], wants_tangent: bool, out: &mut Evaluation) {
         let mut scratch = self.scratch.lock().unwrap_or_else(PoisonError::into_inner);
-        let Scratch { inner, seen, lambda: pressing, half } = &mut *scratch;
+        let Scratch { inner, seen, lambda: inner_lambda, half } = &mut *scratch;
         self.points.points_into(self.sides.patches.dimension(), q_1, seen);
-        self.rows.values_into(lambda, pressing);
+        self.rows.values_into(lambda, inner_lambda);
         if wants_tangent {
-            self.inner.evaluate(derivative, seen, pressing, inner);
+            self.inner.evaluate(derivative, seen, inner_lambda, inner);
         } else {
-            self.inner.linearize(derivative, seen, pressing, inner, None);
+            self.inner.linearize(derivative, seen, inner_lambda, inner, None);
         }
-        self.on_nodes([self.inner.patches(), &self.sides.patches], 1, inner, wants_tangent.then_some(pressing), half, out);
+        self.on_nodes([self.inner.patches(), &self.sides.patches], 1, inner, wants_tangent.then_some(inner_lambda), half, out);
         inner.drop_tangent();
     }
 }
@@ -327,7 +328,7 @@ impl PatchFunctions for OnCurves {
 
     fn evaluate_slips(&self, step: SlipStep, lambda: &[f64], out: &mut Evaluation) {
         let mut scratch = self.scratch.lock().unwrap_or_else(PoisonError::into_inner);
-        let Scratch { inner, lambda: pressing, half, .. } = &mut *scratch;
+        let Scratch { inner, lambda: inner_lambda, half, .. } = &mut *scratch;
         let [q_0, q_1, moved] = [step.q_0, step.q_1, step.moved].map(|values| self.seen(values));
         let mut live = vec![false; self.inner.patches().len()];
         let lives = self.members.iter().zip(step.live).filter(|(_, live)| **live);
@@ -336,10 +337,10 @@ impl PatchFunctions for OnCurves {
         let of = |row: usize| {
             self.rows.parts(row / each).iter().map(|&(node, part)| part * lambda[each * node as usize + row % each]).sum::<f64>()
         };
-        pressing.clear();
-        pressing.extend((0..each * self.inner.rows()).map(of));
-        self.inner.evaluate_slips(SlipStep { q_0: &q_0, q_1: &q_1, moved: &moved, live: &live, ..step }, pressing, inner);
-        self.on_nodes([self.inner.slip_patches(), self.sides.slip_patches()], each, inner, Some(pressing), half, out);
+        inner_lambda.clear();
+        inner_lambda.extend((0..each * self.inner.rows()).map(of));
+        self.inner.evaluate_slips(SlipStep { q_0: &q_0, q_1: &q_1, moved: &moved, live: &live, ..step }, inner_lambda, inner);
+        self.on_nodes([self.inner.slip_patches(), self.sides.slip_patches()], each, inner, Some(inner_lambda), half, out);
         inner.drop_tangent();
     }
 
@@ -424,10 +425,10 @@ impl RigidObstacle for OnCurves {
 
     fn obstacle_force_into(&self, derivative: Derivative, q_1: &[f64], before: &[f64], lambda: &[f64], force: &mut [f64]) -> f64 {
         let d = self.sides.patches.dimension();
-        let [mut pressed, mut pressing, mut seen] = [Vec::new(), Vec::new(), vec![0.0; d * self.points.len()]];
+        let [mut pressed, mut inner_lambda, mut seen] = [Vec::new(), Vec::new(), vec![0.0; d * self.points.len()]];
         self.rows.values_into(before, &mut pressed);
-        self.rows.values_into(lambda, &mut pressing);
-        let work = self.inner.obstacle_force_into(derivative, &self.seen(q_1), &pressed, &pressing, &mut seen);
+        self.rows.values_into(lambda, &mut inner_lambda);
+        let work = self.inner.obstacle_force_into(derivative, &self.seen(q_1), &pressed, &inner_lambda, &mut seen);
         self.points.add_vectors_back(d, &seen, force);
         work
     }

@@ -1,20 +1,20 @@
 //! Weighted gaps of a facet pair (`pair.rs`) for standard or dual multiplier functions, and their discrete gradients (`mortar.rs`).
 
-use super::multiplier_shapes::Shape;
+use super::multiplier_shapes::MultiplierFunctions;
 use super::pair::{Invariants, Offsets, Overlap, PerNode};
 use crate::integrators::{Configuration, Placement, discrete_gradient};
 use crate::math::tolerances::{INVARIANT_INCREMENT, REMAINDER};
 
 /// State of a facet pair at the start of the step.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Start {
+pub(super) struct PairStart {
     pub(super) offsets: Offsets,
     pub(super) invariants: Invariants,
     pub(super) value: PerNode<f64>,
     pub(super) overlaps: bool,
     /// True for each end of the overlap that is at a primary node at the start of the step; `None` without overlap.
     pub(super) steady_ends: Option<[bool; 2]>,
-    pub(super) shape: Shape,
+    pub(super) shape: MultiplierFunctions,
 }
 
 /// Scalar product.
@@ -25,25 +25,25 @@ pub(super) fn dot(a: &Invariants, b: &Invariants) -> f64 {
 
 /// Covered length of each node's multiplier shape function `[length]`.
 #[inline(always)]
-pub(super) fn covered_length(shape: &Shape, pi: &Invariants, overlap: &Overlap) -> PerNode<f64> {
+pub(super) fn covered_length(shape: &MultiplierFunctions, pi: &Invariants, overlap: &Overlap) -> PerNode<f64> {
     combined(shape, &overlap.coverage()).map(|share| share * pi[0].sqrt())
 }
 
 /// Transforms values for the standard shape functions into values for the multiplier shape functions `shape`.
 #[inline(always)]
-pub(super) fn combined(shape: &Shape, of_standard: &PerNode<f64>) -> PerNode<f64> {
+pub(super) fn combined(shape: &MultiplierFunctions, of_standard: &PerNode<f64>) -> PerNode<f64> {
     shape.map(|row| row[0] * of_standard[0] + row[1] * of_standard[1])
 }
 
 /// Weighted gaps of an overlap; zero without overlap.
 #[inline(always)]
-pub(super) fn value(shape: &Shape, overlap: &Option<Overlap>) -> PerNode<f64> {
+pub(super) fn value(shape: &MultiplierFunctions, overlap: &Option<Overlap>) -> PerNode<f64> {
     overlap.as_ref().map_or([0.0; 2], |overlap| combined(shape, &overlap.value()))
 }
 
 /// Gradients of the weighted gaps of an overlap; zero without overlap.
 #[inline(always)]
-pub(super) fn gradient(shape: &Shape, overlap: &Option<Overlap>) -> PerNode<Invariants> {
+pub(super) fn gradient(shape: &MultiplierFunctions, overlap: &Option<Overlap>) -> PerNode<Invariants> {
     overlap.as_ref().map_or([[0.0; 5]; 2], |overlap| {
         let standard = overlap.gradient();
         shape.map(|row| weighted(&standard, row))
@@ -52,7 +52,7 @@ pub(super) fn gradient(shape: &Shape, overlap: &Option<Overlap>) -> PerNode<Inva
 
 /// Hessian of `weights[0] Phi_1 + weights[1] Phi_2` of an overlap; zero without overlap.
 #[inline(always)]
-pub(super) fn hessian(shape: &Shape, overlap: &Option<Overlap>, weights: PerNode<f64>) -> [Invariants; 5] {
+pub(super) fn hessian(shape: &MultiplierFunctions, overlap: &Option<Overlap>, weights: PerNode<f64>) -> [Invariants; 5] {
     let standard = [0, 1].map(|k| shape[0][k] * weights[0] + shape[1][k] * weights[1]);
     overlap.as_ref().map_or([[0.0; 5]; 5], |overlap| overlap.hessian(standard))
 }
@@ -65,7 +65,7 @@ pub(super) fn weighted(f: &PerNode<Invariants>, weights: PerNode<f64>) -> Invari
 
 /// Values of a facet pair in a step from which the discrete gradients are computed.
 pub(super) struct Functions<'a> {
-    pub(super) start: &'a Start,
+    pub(super) start: &'a PairStart,
     pub(super) end_pi: &'a Invariants,
     pub(super) end_value: PerNode<f64>,
     pub(super) end_gradient: &'a PerNode<Invariants>,

@@ -184,7 +184,7 @@ impl Evaluation {
     }
 
     /// Marks contact element `p` as live and allocates its blocks, filled with zeros, with or without a tangent.
-    pub(crate) fn open(&mut self, patches: &Patches, p: usize, has_tangent: bool) -> Place<'_> {
+    pub(crate) fn open(&mut self, patches: &Patches, p: usize, has_tangent: bool) -> ElementBlocks<'_> {
         let (gradient, square) = (patches.gradient_range(p).len(), if has_tangent { patches.tangent_range(p).len() } else { 0 });
         let (first, first_of_tangent) = (self.gradient_end.len(), self.tangent.len());
         self.live[p] = true;
@@ -192,7 +192,7 @@ impl Evaluation {
         self.gradient_end.resize(first + gradient, 0.0);
         self.gradient_bar.resize(first + gradient, 0.0);
         self.tangent.resize(first_of_tangent + square, 0.0);
-        Place {
+        ElementBlocks {
             gradient_end: &mut self.gradient_end[first..],
             gradient_bar: &mut self.gradient_bar[first..],
             tangent: &mut self.tangent[first_of_tangent..],
@@ -267,7 +267,7 @@ fn placed(everywhere: Range<usize>, first: Option<usize>) -> Range<usize> {
 }
 
 /// Blocks of one live contact element in an [`Evaluation`].
-pub(crate) struct Place<'a> {
+pub(crate) struct ElementBlocks<'a> {
     pub(crate) gradient_end: &'a mut [f64],
     pub(crate) gradient_bar: &'a mut [f64],
     pub(crate) tangent: &'a mut [f64],

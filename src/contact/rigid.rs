@@ -15,7 +15,7 @@
 use super::kernel::{CandidateSearch, PatchFunctions, RigidObstacle};
 use super::numbers::Number;
 use super::patches::Evaluation;
-use super::rigid_shape::{Distance, Obstacle, Shape, StepGradient};
+use super::rigid_shape::{Distance, Obstacle, PlaneOutline, StepGradient};
 use super::slip::{self, Carrier, SlipRows, SlipStep};
 use super::surface::Sides;
 use crate::integrators::{Configuration, Derivative};
@@ -28,7 +28,7 @@ const AT_CORNER: f64 = 0.02;
 #[derive(Clone, Debug)]
 pub struct RigidContact {
     sides: Sides,
-    shape: Shape,
+    shape: PlaneOutline,
     translations: [[f64; 2]; 3],
     /// Displacement `[length]` and rotation angle `[rad]` of the obstacle's surface in the step, relative to which slip is measured.
     carried: ([f64; 2], f64),
@@ -37,7 +37,7 @@ pub struct RigidContact {
     is_hidden: Vec<bool>,
     /// For nodes that start at a convex corner of a polyline: the straight line of their side, which replaces the obstacle in this step.
     /// Otherwise the step may have no solution: one side pushes the node past the corner, and without this force the node returns.
-    lines: Vec<Option<Shape>>,
+    lines: Vec<Option<PlaneOutline>>,
 }
 
 impl RigidContact {
@@ -54,7 +54,7 @@ impl RigidContact {
         let is_hidden = vec![false; sides.weights.len()];
         RigidContact {
             sides,
-            shape: Shape::new(obstacle),
+            shape: PlaneOutline::new(obstacle),
             translations: [[0.0; 2]; 3],
             carried: Default::default(),
             start,
@@ -63,8 +63,8 @@ impl RigidContact {
         }
     }
 
-    /// Shape from which the gap of constraint `row` is measured in this step.
-    fn obstacle_side(&self, row: usize) -> &Shape {
+    /// Outline from which the gap of constraint `row` is measured in this step.
+    fn obstacle_side(&self, row: usize) -> &PlaneOutline {
         self.lines[row].as_ref().unwrap_or(&self.shape)
     }
 
@@ -116,7 +116,7 @@ impl RigidContact {
     }
 
     /// Weighted signed distances from `shape(row)` for the obstacle displaced by `translation`.
-    fn gaps<'a>(&self, shape: impl Fn(usize) -> &'a Shape, translation: [f64; 2], position: impl Fn(usize) -> [f64; 2]) -> Vec<f64> {
+    fn gaps<'a>(&self, shape: impl Fn(usize) -> &'a PlaneOutline, translation: [f64; 2], position: impl Fn(usize) -> [f64; 2]) -> Vec<f64> {
         let mut gaps = vec![0.0; self.sides.weights.len()];
         for row in self.rows_there() {
             let x = position(row);
@@ -201,7 +201,7 @@ impl SlipRows for RigidContact {
         let x: [T; 2] = std::array::from_fn(|i| z[i] - self.translations[1][i]);
         let shape = self.obstacle_side(p);
         let Some(Distance { normal, covered: true, .. }) = shape.distance(x.map(|x| x.re())) else { return false };
-        let normal = if let Shape::Circle { center, sign, .. } = shape {
+        let normal = if let PlaneOutline::Circle { center, sign, .. } = shape {
             let r: [T; 2] = std::array::from_fn(|i| x[i] - center[i]);
             let inverse = (r[0] * r[0] + r[1] * r[1]).sqrt().recip() * *sign;
             r.map(|r| r * inverse)
@@ -246,7 +246,7 @@ impl RigidObstacle for RigidContact {
     }
 
     fn passage(&self, q_1: &[f64]) -> [f64; 2] {
-        if matches!(self.shape, Shape::HalfPlane { .. } | Shape::Circle { sign: -1.0, .. }) {
+        if matches!(self.shape, PlaneOutline::HalfPlane { .. } | PlaneOutline::Circle { sign: -1.0, .. }) {
             // A half plane or the complement of a disk has no far side to which a node could cross.
             return [0.0; 2];
         }
@@ -381,10 +381,11 @@ mod tests {
                 let lambda = [1.5, -0.5];
                 // Corners of the polyline and centers of circles are kinks, near which difference quotients are inaccurate.
                 let near_kink = |x: [f64; 2]| match (&kernel.shape, kernel.shape.distance(x)) {
-                    (Shape::Circle { center, .. }, _) => (x[0] - center[0]).hypot(x[1] - center[1]) < 0.2,
-                    (Shape::Polyline { .. }, Some(distance)) => [[1e-3, 0.0], [-1e-3, 0.0], [0.0, 1e-3], [0.0, -1e-3]].iter().any(|d| {
-                        kernel.shape.distance([x[0] + d[0], x[1] + d[1]]).is_none_or(|other| other.normal != distance.normal)
-                    }),
+                    (PlaneOutline::Circle { center, .. }, _) => (x[0] - center[0]).hypot(x[1] - center[1]) < 0.2,
+                    (PlaneOutline::Polyline { .. }, Some(distance)) => {
+                        let around = [[1e-3, 0.0], [-1e-3, 0.0], [0.0, 1e-3], [0.0, -1e-3]].map(|d| [x[0] + d[0], x[1] + d[1]]);
+                        around.iter().any(|x| kernel.shape.distance(*x).is_none_or(|other| other.normal != distance.normal))
+                    }
                     _ => false,
                 };
                 for derivative in Derivative::ALL {

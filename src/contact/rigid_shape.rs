@@ -16,7 +16,7 @@ const SIDES: usize = 2;
 /// Largest number of samples on a node's path at which its distance is evaluated.
 const LOOKS: f64 = 64.0;
 
-/// Shape of a rigid obstacle at its undisplaced position.
+/// Outline of a rigid obstacle at its undisplaced position.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Obstacle {
     /// Points `x` with `normal.(x - point) <= 0`.
@@ -66,7 +66,7 @@ pub(super) struct StepGradient {
 
 /// Obstacle prepared for evaluation.
 #[derive(Clone, Debug)]
-pub(super) enum Shape {
+pub(super) enum PlaneOutline {
     HalfPlane {
         point: [f64; 2],
         normal: [f64; 2],
@@ -85,17 +85,17 @@ pub(super) enum Shape {
     },
 }
 
-impl Shape {
+impl PlaneOutline {
     pub(super) fn new(obstacle: &Obstacle) -> Self {
         match obstacle {
             Obstacle::HalfPlane { point, normal } => {
                 let length = normal[0].hypot(normal[1]);
-                Shape::HalfPlane { point: *point, normal: normal.map(|n| n / length) }
+                PlaneOutline::HalfPlane { point: *point, normal: normal.map(|n| n / length) }
             }
-            Obstacle::Disk { center, radius } => Shape::Circle { center: *center, radius: *radius, sign: 1.0 },
-            Obstacle::Ring { center, radius } => Shape::Circle { center: *center, radius: *radius, sign: -1.0 },
+            Obstacle::Disk { center, radius } => PlaneOutline::Circle { center: *center, radius: *radius, sign: 1.0 },
+            Obstacle::Ring { center, radius } => PlaneOutline::Circle { center: *center, radius: *radius, sign: -1.0 },
             // Models with obstacles in space and plane bodies are refused before, so that this shape is never used.
-            Obstacle::InSpace(_) => Shape::Polyline { tree: RTree::new(), corners: Vec::new() },
+            Obstacle::InSpace(_) => PlaneOutline::Polyline { tree: RTree::new(), corners: Vec::new() },
             Obstacle::Polyline { points } => {
                 let count = points.len().saturating_sub(1);
                 let closed = count > 2 && points[0] == points[count];
@@ -107,7 +107,7 @@ impl Shape {
                     let facets = (1..chain.len() as u32).map(|i| [i, i + 1]).collect();
                     (Chain::new(facets), [[0.0; 2]].iter().chain(&chain).flatten().copied().collect())
                 };
-                Shape::Polyline { tree: RTree::bulk_load(lines.collect()), corners: (0..count).map(neighborhood).collect() }
+                PlaneOutline::Polyline { tree: RTree::bulk_load(lines.collect()), corners: (0..count).map(neighborhood).collect() }
             }
         }
     }
@@ -115,17 +115,17 @@ impl Shape {
     /// Signed distance of a point in the obstacle's frame; `None` where the function vanishes identically.
     pub(super) fn distance(&self, x: [f64; 2]) -> Option<Distance> {
         match self {
-            Shape::HalfPlane { point, normal } => {
+            PlaneOutline::HalfPlane { point, normal } => {
                 let gap = normal[0] * (x[0] - point[0]) + normal[1] * (x[1] - point[1]);
                 Some(Distance { gap, normal: *normal, covered: true })
             }
-            Shape::Circle { center, radius, sign } => {
+            PlaneOutline::Circle { center, radius, sign } => {
                 let r = [x[0] - center[0], x[1] - center[1]];
                 let length = r[0].hypot(r[1]);
                 let normal = if length > 0.0 { r.map(|r| sign * r / length) } else { [0.0; 2] };
                 Some(Distance { gap: sign * (length - radius), normal, covered: true })
             }
-            Shape::Polyline { tree, corners } => {
+            PlaneOutline::Polyline { tree, corners } => {
                 let (chain, points) = &corners[tree.nearest_neighbor(x)?.data];
                 let mut z = [0.0; 10];
                 z[..points.len()].copy_from_slice(points);
@@ -140,8 +140,8 @@ impl Shape {
     }
 
     /// Half plane of the side to which a point belongs, if the point is within `near` of a convex corner.
-    pub(super) fn line_at_corner(&self, x: [f64; 2], near: f64) -> Option<Shape> {
-        let Shape::Polyline { tree, corners } = self else { return None };
+    pub(super) fn line_at_corner(&self, x: [f64; 2], near: f64) -> Option<PlaneOutline> {
+        let PlaneOutline::Polyline { tree, corners } = self else { return None };
         let nearest = tree.nearest_neighbor(x)?;
         let Line { from, to } = *nearest.geom();
         if [from, to].iter().all(|end| (x[0] - end[0]).hypot(x[1] - end[1]) > near) {
@@ -155,26 +155,26 @@ impl Shape {
         }
         let [from, to] = chain.facets()[measure.facet as usize].map(|node| [z[2 * node as usize], z[2 * node as usize + 1]]);
         let (along, length) = ([to[0] - from[0], to[1] - from[1]], (to[0] - from[0]).hypot(to[1] - from[1]));
-        Some(Shape::HalfPlane { point: from, normal: [along[1] / length, -along[0] / length] })
+        Some(PlaneOutline::HalfPlane { point: from, normal: [along[1] / length, -along[0] / length] })
     }
 
     /// Rigid motion of the obstacle's surface in a step, for friction: a displacement and, for a circle, a rotation about its center.
     /// `middle` is the obstacle's translation in mid-step `[length]`.
     pub(super) fn carrier(&self, (shift, angle): ([f64; 2], f64), middle: [f64; 2]) -> Carrier {
-        let Shape::Circle { center, .. } = self else { return Carrier { shift, ..Carrier::default() } };
+        let PlaneOutline::Circle { center, .. } = self else { return Carrier { shift, ..Carrier::default() } };
         Carrier { shift, turn: 2.0 * (0.5 * angle).tan(), center: std::array::from_fn(|i| center[i] + middle[i]) }
     }
 
     /// Sides of a polyline within `reach` of a point, at most two, as half planes in the order of the points. If the nearest point is a
     /// convex corner, a circle of zero radius represents it. For points behind the polyline or beyond its ends, the polyline itself.
-    fn nearest_sides(&self, x: [f64; 2], reach: f64) -> Vec<Shape> {
-        let Shape::Polyline { tree, .. } = self else { return vec![self.clone()] };
+    fn nearest_sides(&self, x: [f64; 2], reach: f64) -> Vec<PlaneOutline> {
+        let PlaneOutline::Polyline { tree, .. } = self else { return vec![self.clone()] };
         let (Some(nearest), Some(distance)) = (tree.nearest_neighbor(x), self.distance(x)) else { return Vec::new() };
         if distance.gap <= 0.0 || !distance.covered {
             return vec![self.clone()];
         }
         let reach = reach.max(distance.gap * (1.0 + PROJECTED_INCREMENT));
-        let mut sides: Vec<(f64, usize, Shape)> = Vec::new();
+        let mut sides: Vec<(f64, usize, PlaneOutline)> = Vec::new();
         for side in tree.locate_within_distance(x, reach * reach) {
             let Line { from, to } = *side.geom();
             let (along, arm) = ([to[0] - from[0], to[1] - from[1]], [x[0] - from[0], x[1] - from[1]]);
@@ -183,10 +183,10 @@ impl Shape {
             let gap = (arm[0] * along[1] - arm[1] * along[0]) / square.sqrt();
             if (0.0..=1.0).contains(&share) && gap > 0.0 {
                 let normal = [along[1] / square.sqrt(), -along[0] / square.sqrt()];
-                sides.push((gap, side.data, Shape::HalfPlane { point: from, normal }));
+                sides.push((gap, side.data, PlaneOutline::HalfPlane { point: from, normal }));
             } else if side.data == nearest.data {
                 let center = if share < 0.0 { from } else { to };
-                sides.push((0.0, side.data, Shape::Circle { center, radius: 0.0, sign: 1.0 }));
+                sides.push((0.0, side.data, PlaneOutline::Circle { center, radius: 0.0, sign: 1.0 }));
             }
         }
         sides.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
@@ -198,7 +198,7 @@ impl Shape {
     /// Hessian of the signed distance at a point.
     pub(super) fn curvature(&self, x: [f64; 2]) -> [[f64; 2]; 2] {
         match self {
-            Shape::Circle { center, sign, .. } => {
+            PlaneOutline::Circle { center, sign, .. } => {
                 let r = [x[0] - center[0], x[1] - center[1]];
                 let length = r[0].hypot(r[1]);
                 if length > 0.0 {
@@ -240,13 +240,13 @@ impl Shape {
         }
         let d = [x_1[0] - x_0[0], x_1[1] - x_0[1]];
         match self {
-            Shape::HalfPlane { .. } => false,
-            Shape::Circle { center, radius, .. } => {
+            PlaneOutline::HalfPlane { .. } => false,
+            PlaneOutline::Circle { center, radius, .. } => {
                 // The line crosses the circle if the center is nearer to it than the radius.
                 let r = [center[0] - x_0[0], center[1] - x_0[1]];
                 (d[0] * r[1] - d[1] * r[0]).abs() < radius * d[0].hypot(d[1])
             }
-            Shape::Polyline { tree, .. } => {
+            PlaneOutline::Polyline { tree, .. } => {
                 let area = AABB::from_corners([x_0[0].min(x_1[0]), x_0[1].min(x_1[1])], [x_0[0].max(x_1[0]), x_0[1].max(x_1[1])]);
                 let side = |from: [f64; 2], along: [f64; 2], x: [f64; 2]| along[0] * (x[1] - from[1]) - along[1] * (x[0] - from[0]);
                 tree.locate_in_envelope_intersecting(area).any(|facet| {
@@ -261,8 +261,8 @@ impl Shape {
     /// Discrete gradient between two points in the obstacle's frame, not corrected for increments below `PROJECTED_INCREMENT * size`.
     pub(super) fn step_gradient(&self, x_0: [f64; 2], x_1: [f64; 2], size: f64) -> StepGradient {
         match self {
-            Shape::HalfPlane { normal, .. } => StepGradient { bar: *normal, tangent: [[0.0; 2]; 2] },
-            Shape::Circle { center, sign, .. } => {
+            PlaneOutline::HalfPlane { normal, .. } => StepGradient { bar: *normal, tangent: [[0.0; 2]; 2] },
+            PlaneOutline::Circle { center, sign, .. } => {
                 let (r_0, r_1) = ([x_0[0] - center[0], x_0[1] - center[1]], [x_1[0] - center[0], x_1[1] - center[1]]);
                 let end = r_1[0].hypot(r_1[1]);
                 let lengths = r_0[0].hypot(r_0[1]) + end;
@@ -274,7 +274,7 @@ impl Shape {
                     std::array::from_fn(|i| std::array::from_fn(|k| (if i == k { *sign } else { 0.0 } - bar[i] * r_1[k] / end) / lengths));
                 StepGradient { bar, tangent }
             }
-            Shape::Polyline { .. } => {
+            PlaneOutline::Polyline { .. } => {
                 let at = |x: [f64; 2]| self.distance(x).unwrap_or(Distance { gap: 0.0, normal: [0.0; 2], covered: false });
                 let (start, end) = (at(x_0), at(x_1));
                 let middle = at([0.5 * (x_0[0] + x_1[0]), 0.5 * (x_0[1] + x_1[1])]);
@@ -300,9 +300,9 @@ impl Shape {
     }
 }
 
-impl ObstacleSide<2> for Shape {
+impl ObstacleSide<2> for PlaneOutline {
     fn sides(&self) -> usize {
-        if matches!(self, Shape::Polyline { .. }) { SIDES } else { 1 }
+        if matches!(self, PlaneOutline::Polyline { .. }) { SIDES } else { 1 }
     }
 
     fn near(&self, x: Vector2<f64>, radius: f64, spare: f64) -> Vec<Self> {
@@ -327,7 +327,7 @@ impl ObstacleSide<2> for Shape {
     }
 
     fn passage(&self, x_0: Vector2<f64>, x_1: Vector2<f64>, near: f64) -> (f64, bool) {
-        if matches!(self, Shape::HalfPlane { .. } | Shape::Circle { sign: -1.0, .. }) {
+        if matches!(self, PlaneOutline::HalfPlane { .. } | PlaneOutline::Circle { sign: -1.0, .. }) {
             // A half plane or the complement of a disk has no far side to which a node could cross.
             return (0.0, false);
         }

@@ -3,7 +3,7 @@
 use super::kernel::ContactKernel;
 use super::numbers::Number;
 use super::patches::Evaluation;
-use super::rigid_shape::{Obstacle, Shape};
+use super::rigid_shape::{Obstacle, PlaneOutline};
 use super::rollers::RoundBody;
 use super::rolling::{RollingContact, Slips};
 use super::round_parts::{Curvature, RoundPart};
@@ -22,7 +22,7 @@ pub fn rolling_contact(
 ) -> Box<dyn ContactKernel> {
     match obstacle {
         Obstacle::InSpace(shape) => Box::new(RollingContact::new(surface, parts, ShapeInSpace::new(shape), shares_of, reference)),
-        _ => Box::new(RollingContact::new(surface, parts, Shape::new(obstacle), shares_of, reference)),
+        _ => Box::new(RollingContact::new(surface, parts, PlaneOutline::new(obstacle), shares_of, reference)),
     }
 }
 
@@ -31,7 +31,7 @@ pub fn round_contact(surface: Surface, secondary: &RoundBody, primary: Vec<Round
     if surface.dimension() == 2 {
         let shape = |radius: f64, curvature: Curvature| {
             let center = [0.0; 2];
-            Shape::new(&match curvature {
+            PlaneOutline::new(&match curvature {
                 Curvature::Convex => Obstacle::Disk { center, radius },
                 Curvature::Hollow => Obstacle::Ring { center, radius },
             })
@@ -46,7 +46,7 @@ pub fn round_contact(surface: Surface, secondary: &RoundBody, primary: Vec<Round
 }
 
 /// Slip of round parts in the plane relative to the translating and rotating obstacle.
-impl SlipRows for RollingContact<2, Shape> {
+impl SlipRows for RollingContact<2, PlaneOutline> {
     fn places(&self, p: usize, _z: &[f64], places: &mut Vec<usize>) -> bool {
         places.extend(0..self.own_sides().patches.nodes(p).len());
         self.sides_near(p).iter().any(Option::is_some)
@@ -81,7 +81,7 @@ impl SlipRows for RollingContact<2, Shape> {
     }
 }
 
-impl Slips for RollingContact<2, Shape> {
+impl Slips for RollingContact<2, PlaneOutline> {
     fn slips(&self, step: SlipStep, lambda: &[f64], out: &mut Evaluation) {
         slip::evaluate(self, &self.own_sides().patches, step, lambda, out);
     }

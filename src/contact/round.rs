@@ -6,7 +6,7 @@
 
 use super::depth::NodePosition;
 use super::kernel::{CandidateSearch, PatchFunctions, RigidObstacle};
-use super::node_patch::{self, Round, Start};
+use super::node_patch::{self, PointStart, Round};
 use super::patches::Evaluation;
 use super::search::Candidates;
 use super::slip::{self, SlipStep};
@@ -15,10 +15,10 @@ use super::window::PredictedMotion;
 use crate::integrators::Derivative;
 
 /// Search distance beyond the required one, in shortest facets of the surface.
-const SPARE: f64 = 1.0;
+const SEARCH_MARGIN: f64 = 1.0;
 
 /// Penetration, in shortest facets, beyond which a facet has no constraint: initial overlaps are resolved by the constraints of the nodes.
-const SUNK: f64 = 0.15;
+const OVERLAP_OF_SURFACES: f64 = 0.15;
 
 /// Contact of a disk, represented by a node at its center, with a surface; one constraint per facet.
 #[derive(Clone, Debug)]
@@ -29,14 +29,14 @@ pub struct RoundContact {
     /// Rotation angle in the step `[rad]`.
     turn: f64,
     candidates: Candidates,
-    start: Vec<Start>,
+    start: Vec<PointStart>,
 }
 
 impl RoundContact {
     /// Contact of a disk with a surface (facets in model node numbers, the body on the left).
     pub fn new(center: u32, radius: f64, surface: &[[u32; 2]], reference: &[f64], facet_size: f64) -> Self {
         let sides = Sides { weights: vec![facet_size; surface.len()], facet_size, ..Sides::new(&[[center; 2]], surface, reference) };
-        RoundContact { sides, radius, turn: 0.0, candidates: Candidates::new(SPARE * facet_size), start: Vec::new() }
+        RoundContact { sides, radius, turn: 0.0, candidates: Candidates::new(SEARCH_MARGIN * facet_size), start: Vec::new() }
     }
 
     /// Lists the contact elements of the present candidates: center and nodes of a facet.
@@ -51,18 +51,18 @@ impl RoundContact {
     }
 
     /// Values of contact element `p` at the start of a step; without a gap if the facet is too deep or out of reach.
-    fn prepare(&self, p: usize, predicted_motion: &PredictedMotion) -> Start {
+    fn prepare(&self, p: usize, predicted_motion: &PredictedMotion) -> PointStart {
         let (facet, surface) = (self.sides.patches.rows(p)[0] as usize, &self.sides.primary);
         let (center, ends) = (self.sides.secondary.nodes()[0], surface.facets()[facet]);
         let is_concave = surface.local_facets()[facet].map(|node| !surface.is_convex(node as usize, predicted_motion.q));
         let round = Round { radius: self.radius, is_concave };
-        let opposite = Start::round([0, 1, 2], round);
+        let opposite = PointStart::round([0, 1, 2], round);
         let mut z = Vec::new();
         opposite.gather_into(self.sides.patches.nodes(p), predicted_motion.q, &mut z);
-        let is_sunk = opposite.measures(&z)[0].is_none_or(|measure| measure.gap <= -SUNK * self.sides.facet_size);
+        let is_overlapped = opposite.measures(&z)[0].is_none_or(|measure| measure.gap <= -OVERLAP_OF_SURFACES * self.sides.facet_size);
         let apart = NodePosition::new(center, ends, predicted_motion.q).distance - self.radius;
-        if is_sunk || apart > self.sides.facet_size + predicted_motion.motion_bound::<2>(&[center], &ends) {
-            Start::default()
+        if is_overlapped || apart > self.sides.facet_size + predicted_motion.motion_bound::<2>(&[center], &ends) {
+            PointStart::default()
         } else {
             opposite
         }

@@ -6,7 +6,7 @@ use super::fronts::{Front, OffDiagonalBlock, PivotBlock, Run};
 use super::panels::Blocks;
 use super::pattern::Block;
 use super::symbolic::Symbolic;
-use super::waiting::Side;
+use super::waiting::UpdateLocation;
 use crate::math::simd::with_registers;
 use crate::math::workers::Workers;
 
@@ -78,7 +78,7 @@ const WORTH_SHARING: usize = 20_000;
 pub(super) struct Received<'a> {
     pub(super) symbolic: &'a Symbolic,
     /// Locations of the update matrices of all fronts that are not yet assembled.
-    pub(super) places: &'a [(Side, usize)],
+    pub(super) places: &'a [(UpdateLocation, usize)],
     pub(super) children: &'a [u32],
     /// Update matrices on the stacks, from index `start` of the buffer on; `handed`: those handed over by other tasks.
     pub(super) waiting: &'a [f64],
@@ -137,7 +137,7 @@ impl<'a> Received<'a> {
     #[inline(always)]
     fn update(self, child: u32) -> (&'a Front, &'a [f64]) {
         let ((side, at), child) = (self.places[child as usize], &self.symbolic.fronts[child as usize]);
-        let source = if side == Side::Handed { &self.handed[at..] } else { &self.waiting[at - self.start..] };
+        let source = if side == UpdateLocation::Handed { &self.handed[at..] } else { &self.waiting[at - self.start..] };
         (child, &source[..child.u * child.u])
     }
 

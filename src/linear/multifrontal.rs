@@ -16,7 +16,7 @@ use super::assembly::{Received, add_entries};
 use super::panels::{self, Blocks, EliminationOptions};
 use super::substitution::{Direction, Part, PartOfVector, Substitution, each, parts};
 use super::symbolic::Symbolic;
-use super::waiting::{Side, UpdateStack};
+use super::waiting::{UpdateLocation, UpdateStack};
 use super::watch::InterruptWatch;
 use crate::math::simd::with_registers;
 use crate::math::tolerances::LINEAR_PIVOT;
@@ -252,15 +252,15 @@ impl WithSimd for Elimination<'_, '_, '_> {
             let (lower, upper) = beside.split_at_mut(u * p);
             let children = &symbolic.children[front.children.clone()];
             let (rest, waiting, start) = match side {
-                Side::Low => {
+                UpdateLocation::Low => {
                     let (low, high) = waiting.all_mut().split_at_mut(at + u * u);
                     (&mut low[at..], &*high, at + u * u)
                 }
-                Side::High => {
+                UpdateLocation::High => {
                     let (low, high) = waiting.all_mut().split_at_mut(at);
                     (&mut high[..u * u], &*low, 0)
                 }
-                Side::Handed => (&mut update[..], waiting.all(), 0),
+                UpdateLocation::Handed => (&mut update[..], waiting.all(), 0),
             };
             let mut blocks = Blocks { pivots: front.pivots, p, u, diagonal, lower, upper, rest };
             Received { symbolic, places, children, waiting, start, handed }.add_up(simd, &mut blocks, workers);

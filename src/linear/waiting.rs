@@ -15,7 +15,7 @@ const LARGE: usize = 1 << 21;
 
 /// Location of an update matrix until it is assembled.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) enum Side {
+pub(super) enum UpdateLocation {
     /// Stack that grows from the buffer's start, or from its end.
     #[default]
     Low,
@@ -28,7 +28,7 @@ pub(super) enum Side {
 #[derive(Debug, Default)]
 pub(super) struct UpdateStack {
     /// Stack and first position of each front's update matrix.
-    pub(super) places: Vec<(Side, usize)>,
+    pub(super) places: Vec<(UpdateLocation, usize)>,
     /// Buffer lengths: for fronts outside of tasks, for one task, and for the update matrices handed over by tasks.
     pub(super) buffer: usize,
     pub(super) of_task: usize,
@@ -38,24 +38,25 @@ pub(super) struct UpdateStack {
 impl UpdateStack {
     /// Stack positions for fronts in postorder. A task, a range of fronts, has separate stacks; its last update matrix is handed over.
     pub(super) fn new(fronts: &[Front], children: &[u32], tasks: &[Range<usize>]) -> Self {
-        let mut waiting = UpdateStack { places: vec![(Side::Low, 0); fronts.len()], ..UpdateStack::default() };
+        let mut waiting = UpdateStack { places: vec![(UpdateLocation::Low, 0); fronts.len()], ..UpdateStack::default() };
         for k in (0..fronts.len()).rev() {
             if let Some(parent) = fronts[k].parent {
-                waiting.places[k].0 = if waiting.places[parent as usize].0 == Side::Low { Side::High } else { Side::Low };
+                waiting.places[k].0 =
+                    if waiting.places[parent as usize].0 == UpdateLocation::Low { UpdateLocation::High } else { UpdateLocation::Low };
             }
         }
         let size = |k: usize| fronts[k].u * fronts[k].u;
         let mut is_inside = vec![false; fronts.len()];
         for task in tasks {
             is_inside[task.clone()].fill(true);
-            waiting.places[task.end - 1] = (Side::Handed, waiting.handed);
+            waiting.places[task.end - 1] = (UpdateLocation::Handed, waiting.handed);
             waiting.handed += size(task.end - 1);
         }
         let (mut inside, mut above) = ([0; 2], [0; 2]);
         for (k, front) in fronts.iter().enumerate() {
             let (tops, buffer) = if is_inside[k] { (&mut inside, &mut waiting.of_task) } else { (&mut above, &mut waiting.buffer) };
             let side = waiting.places[k].0;
-            if side != Side::Handed {
+            if side != UpdateLocation::Handed {
                 waiting.places[k].1 = tops[side as usize];
                 tops[side as usize] += size(k);
                 *buffer = (*buffer).max(tops[0] + tops[1]);
@@ -63,12 +64,12 @@ impl UpdateStack {
             // The updates of the children are on top of the other stack and are released.
             for &child in &children[front.children.clone()] {
                 let side = waiting.places[child as usize].0;
-                if side != Side::Handed {
+                if side != UpdateLocation::Handed {
                     tops[side as usize] -= size(child as usize);
                 }
             }
         }
-        for (k, (_, at)) in waiting.places.iter_mut().enumerate().filter(|(_, place)| place.0 == Side::High) {
+        for (k, (_, at)) in waiting.places.iter_mut().enumerate().filter(|(_, place)| place.0 == UpdateLocation::High) {
             *at = if is_inside[k] { waiting.of_task } else { waiting.buffer } - *at - size(k);
         }
         waiting

@@ -283,7 +283,7 @@ pub const PUSH: f64 = 1e-12;
 pub const FILTER: f64 = 1e-14;
 
 /// Overlap of an excluded facet pair at the end of a step, in shortest secondary facets, above which the step is repeated with it.
-pub const OVERLOOKED: f64 = 1e-6;
+pub const EXCLUDED_OVERLAP: f64 = 1e-6;
 
 /// Uncovered fraction up to which a facet counts as fully covered. At the rims of a press fit the fraction varies with the gap; with a
 /// limit at round-off the shape functions would alternate between steps of a damped relaxation to equilibrium.

@@ -381,7 +381,7 @@ mod tests {
 
     use super::*;
     use crate::elements::CellKind;
-    use crate::mesh::{CellSize, Curve, Facet, Mesh, Side, layered_polygon, layered_region};
+    use crate::mesh::{CellSize, Curve, Facet, Mesh, OutlineSide, layered_polygon, layered_region};
 
     const KINDS: [CellKind; 5] = [CellKind::Tri3, CellKind::Quad4, CellKind::Tri6, CellKind::Quad8, CellKind::Quad9];
 
@@ -415,8 +415,8 @@ mod tests {
         assert_eq!(mesh.hull(), named);
     }
 
-    fn circle(radius: f64, name: &str) -> Vec<Side> {
-        vec![Side { curve: Curve::circle([0.0, 0.0], radius).unwrap(), name: Some(name.into()) }]
+    fn circle(radius: f64, name: &str) -> Vec<OutlineSide> {
+        vec![OutlineSide { curve: Curve::circle([0.0, 0.0], radius).unwrap(), name: Some(name.into()) }]
     }
 
     /// Distances of all nodes from the origin, each distance once.
@@ -515,11 +515,11 @@ mod tests {
                 [radii[k % corners] * cosine, radii[k % corners] * sine]
             };
             // Outline of straight sides with an arc as every third side.
-            let outline: Vec<Side> = (0..corners).map(|k| {
+            let outline: Vec<OutlineSide> = (0..corners).map(|k| {
                 let (from, to) = (at(k), at(k + 1));
                 let out = [0, 1].map(|i| 0.55 * (from[i] + to[i]));
                 let curve = if k % 3 == 1 { Curve::arc_through(from, out, to) } else { Curve::line(from, to) };
-                Side { curve: curve.unwrap(), name: Some(format!("side {}", k + 1)) }
+                OutlineSide { curve: curve.unwrap(), name: Some(format!("side {}", k + 1)) }
             }).collect();
             let choices = [&["outer"][..], &["bore"], &["side 1"],
                 &["side 2", "side 3"], &["side 1", "side 3", "hole 1"], &["outer", "bore"]];

@@ -16,7 +16,7 @@ pub(super) const SIDE_LIMIT: usize = 100_000;
 
 /// A curve of an outline or a hole.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Side {
+pub struct OutlineSide {
     /// Shape of the side.
     pub curve: Curve,
     /// Name of the boundary of the side, in addition to `outer` or the boundary of its hole.

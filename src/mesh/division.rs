@@ -15,14 +15,14 @@ use crate::elements::{CellKind, CellShape};
 const DIVIDED: usize = 75;
 
 /// A place on a reference cell.
-type Place = [f64; 3];
+type ReferencePoint = [f64; 3];
 
 /// For several places on a parent: weights of the parent's corners, and values of the shape functions of all its nodes.
 type Weights = Vec<(Vec<f64>, Vec<f64>)>;
 
 /// Division of a parent cell into children of one kind, given by the positions of their nodes on the parent's reference cell.
 struct Template {
-    children: Vec<Vec<Place>>,
+    children: Vec<Vec<ReferencePoint>>,
     /// For each facet of the parent: the facets `(child, local facet)` on it, beginning at its first corner.
     pieces: Vec<Vec<(u32, u8)>>,
 }
@@ -49,7 +49,7 @@ impl Division<'_> {
 type NodeKey = [(u32, u8); 8];
 
 /// Weights of the corners of a reference cell at a point.
-fn corner_weights(shape: CellShape, place: Place) -> Vec<f64> {
+fn corner_weights(shape: CellShape, place: ReferencePoint) -> Vec<f64> {
     let linear = match shape {
         CellShape::Triangle => CellKind::Tri3,
         CellShape::Quadrilateral => CellKind::Quad4,
@@ -72,16 +72,16 @@ fn key(cell: &[u32], weights: &[f64]) -> NodeKey {
 }
 
 /// Midpoint of two points.
-pub(super) fn mean(a: Place, b: Place) -> Place {
+pub(super) fn mean(a: ReferencePoint, b: ReferencePoint) -> ReferencePoint {
     [0, 1, 2].map(|i| 0.5 * (a[i] + b[i]))
 }
 
 impl Template {
     /// Template with children of the kind `child` with these corners in a parent of the kind `parent`; other nodes follow by the child's
     /// shape functions.
-    fn new(parent: CellKind, child: CellKind, corners: &[Vec<Place>]) -> Template {
+    fn new(parent: CellKind, child: CellKind, corners: &[Vec<ReferencePoint>]) -> Template {
         let (shape, row) = (child.shape(), child.row());
-        let node = |corners: &[Place], place: Place| {
+        let node = |corners: &[ReferencePoint], place: ReferencePoint| {
             let weights = corner_weights(shape, place);
             [0, 1, 2].map(|i| corners.iter().zip(&weights).map(|(corner, weight)| weight * corner[i]).sum())
         };
@@ -90,9 +90,9 @@ impl Template {
     }
 
     /// Template with children of the kind `child` whose nodes are at these points in a parent of the kind `parent`.
-    fn of(parent: CellKind, child: CellKind, children: Vec<Vec<Place>>) -> Template {
+    fn of(parent: CellKind, child: CellKind, children: Vec<Vec<ReferencePoint>>) -> Template {
         let shape = child.shape();
-        let weights = |place: Place| corner_weights(parent.shape(), place);
+        let weights = |place: ReferencePoint| corner_weights(parent.shape(), place);
         let corners_of =
             |facet: &[usize], shape: CellShape| -> Vec<usize> { facet.iter().copied().filter(|&node| node < shape.corners()).collect() };
         let pieces = parent.facets().iter().map(|facet| {
@@ -117,15 +117,15 @@ impl Template {
 }
 
 /// Corners of a reference cell.
-fn corners(kind: CellKind) -> Vec<Place> {
+fn corners(kind: CellKind) -> Vec<ReferencePoint> {
     kind.row().node_places[..kind.shape().corners()].to_vec()
 }
 
 /// Corners of the children of a refined cell, the first ones at the parent's corners.
-pub(super) fn halves(kind: CellKind) -> Vec<Vec<Place>> {
+pub(super) fn halves(kind: CellKind) -> Vec<Vec<ReferencePoint>> {
     let corners = corners(kind);
     let middle = |a: usize, b: usize| mean(corners[a], corners[b]);
-    let mut children: Vec<Vec<Place>> = (0..corners.len()).map(|a| (0..corners.len()).map(|b| middle(a, b)).collect()).collect();
+    let mut children: Vec<Vec<ReferencePoint>> = (0..corners.len()).map(|a| (0..corners.len()).map(|b| middle(a, b)).collect()).collect();
     match kind.shape() {
         CellShape::Triangle => children.push(vec![middle(1, 2), middle(2, 0), middle(0, 1)]),
         CellShape::Tetrahedron => {
@@ -147,7 +147,7 @@ pub(super) fn halves(kind: CellKind) -> Vec<Vec<Place>> {
 }
 
 /// Tetrahedron reordered to a positive volume.
-fn turned_out(mut corners: Vec<Place>) -> Vec<Place> {
+fn turned_out(mut corners: Vec<ReferencePoint>) -> Vec<ReferencePoint> {
     let edge = |k: usize| between(corners[0], corners[k]);
     if determinant([edge(1), edge(2), edge(3)]) < 0.0 {
         corners.swap(2, 3);
@@ -157,7 +157,7 @@ fn turned_out(mut corners: Vec<Place>) -> Vec<Place> {
 
 /// Tetrahedra of a hexahedron: the cone from the corner `apex` over the three opposite facets, each divided from its first corner or, if
 /// its bit of `turned` is set, from its second one.
-fn cone(apex: usize, turned: usize) -> Vec<Vec<Place>> {
+fn cone(apex: usize, turned: usize) -> Vec<Vec<ReferencePoint>> {
     let places = corners(CellKind::Hex8);
     let away = CellKind::Hex8.facets().iter().filter(|facet| !facet.contains(&apex));
     let cut = away.enumerate().flat_map(|(bit, facet)| {
@@ -247,7 +247,8 @@ impl Mesh {
     fn division(&self, from: CellKind, to: CellKind) -> Option<Division<'_>> {
         let at = corners(from);
         let of_corners = |children: &[&[usize]]| {
-            let children: Vec<Vec<Place>> = children.iter().map(|child| child.iter().map(|&corner| at[corner]).collect()).collect();
+            let children: Vec<Vec<ReferencePoint>> =
+                children.iter().map(|child| child.iter().map(|&corner| at[corner]).collect()).collect();
             Template::new(from, to, &children)
         };
         Some(match (from, to) {
@@ -290,8 +291,9 @@ impl Mesh {
         for (block, division) in self.blocks.iter().zip(divisions) {
             let Division { child, templates, choose } = division;
             let (row, shape) = (block.kind.row(), block.kind.shape());
-            let weigh =
-                |places: &[Place]| -> Weights { places.iter().map(|&place| (corner_weights(shape, place), (row.shape)(place))).collect() };
+            let weigh = |places: &[ReferencePoint]| -> Weights {
+                places.iter().map(|&place| (corner_weights(shape, place), (row.shape)(place))).collect()
+            };
             let own = weigh(row.node_places);
             let weights: Vec<Vec<Weights>> =
                 templates.iter().map(|template| template.children.iter().map(|places| weigh(places)).collect()).collect();

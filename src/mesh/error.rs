@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
-use super::file_error::{FileError, Place};
+use super::file_error::{FileError, FilePosition};
 use crate::machine::memory::Shortage;
 
 /// A mesh that cannot be made, changed, found or read.
@@ -348,7 +348,7 @@ pub enum MeshError {
     )]
     InvertedCell {
         /// Place in the file.
-        at: Option<Place>,
+        at: Option<FilePosition>,
         /// Number in the file; index in the mesh when no file was read.
         cell: u64,
         /// Mean of the nodes of the cell, one coordinate per dimension `[length]`.
@@ -364,7 +364,7 @@ pub enum MeshError {
     #[error("cell {cell} at {} has no {}: its Jacobian determinant is {}", spot(.center), extent(.center), rounded(*.determinant))]
     DegenerateCell {
         /// Place in the file.
-        at: Option<Place>,
+        at: Option<FilePosition>,
         /// Number in the file; index in the mesh when no file was read.
         cell: u64,
         /// Mean of the nodes of the cell, one coordinate per dimension `[length]`.
@@ -376,7 +376,7 @@ pub enum MeshError {
     #[error("cell {cell} names node {node} twice")]
     RepeatedNode {
         /// Place in the file.
-        at: Option<Place>,
+        at: Option<FilePosition>,
         /// Number in the file; index in the mesh when no file was read.
         cell: u64,
         /// The node.
@@ -386,7 +386,7 @@ pub enum MeshError {
     #[error("{sharing} cells share one facet of cell {cell}, but a facet has at most two sides")]
     CrowdedFacet {
         /// Place in the file.
-        at: Option<Place>,
+        at: Option<FilePosition>,
         /// Number of the first of the cells in the file; its index in the mesh when no file was read.
         cell: u64,
         /// Number of cells that share the facet.
@@ -396,7 +396,7 @@ pub enum MeshError {
     #[error("cell {cell} at {} does not match its neighbor: a facet of {kind} and one of {other} have different nodes", spot(.center))]
     Unmatched {
         /// Place in the file.
-        at: Option<Place>,
+        at: Option<FilePosition>,
         /// Number in the file; index in the mesh when no file was read.
         cell: u64,
         /// Mean of the nodes of the cell `[length]`.

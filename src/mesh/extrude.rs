@@ -3,7 +3,7 @@
 use std::f64::consts::FRAC_PI_2;
 
 use super::grid::{at_least, graded, limited, positive};
-use super::path::{Frame, frames};
+use super::path::{SectionFrame, frames};
 use super::sweep::{Prisms, Sweep};
 use super::{Mesh, MeshError};
 use crate::math::tolerances::SAME_PLACE;
@@ -82,7 +82,7 @@ impl Mesh {
         }
         let sweep = Sweep { is_closed, prisms: change.prisms, ..straight(path.len() - 1) };
         self.swept(&sweep, |row, node| {
-            let Frame { at, share, along: [x, y] } = &frames[row];
+            let SectionFrame { at, share, along: [x, y] } = &frames[row];
             let [a, b] = change.at(*share, self.points[node]);
             [0, 1, 2].map(|i| at[i] + a * x[i] + b * y[i])
         })

@@ -6,18 +6,18 @@ use thiserror::Error;
 
 /// A place in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Place {
+pub enum FilePosition {
     /// Line of a text, counted from 1.
     Line(usize),
     /// Byte of a binary file, counted from 0.
     Byte(usize),
 }
 
-impl std::fmt::Display for Place {
+impl std::fmt::Display for FilePosition {
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Place::Line(line) => write!(out, "in line {line}"),
-            Place::Byte(byte) => write!(out, "at byte {byte}"),
+            FilePosition::Line(line) => write!(out, "in line {line}"),
+            FilePosition::Byte(byte) => write!(out, "at byte {byte}"),
         }
     }
 }
@@ -27,7 +27,7 @@ impl std::fmt::Display for Place {
 #[error("{problem}")]
 pub struct FileError {
     /// Place in the file at which the problem was found.
-    pub at: Place,
+    pub at: FilePosition,
     /// Problem found at the place.
     pub problem: FileProblem,
 }
@@ -74,7 +74,7 @@ pub enum FileProblem {
         /// Name of the section.
         section: String,
         /// Start of the section.
-        begin: Place,
+        begin: FilePosition,
         /// Number of entries read.
         found: usize,
         /// Number of entries announced in the file; equal to `found` when only the closing line is missing.
@@ -140,7 +140,7 @@ pub enum FileProblem {
         /// Number of the node in the file.
         node: u64,
         /// Place of the first occurrence.
-        first: Place,
+        first: FilePosition,
     },
     /// Two elements with one number.
     #[error("element {element} is there twice, first {first}")]
@@ -148,7 +148,7 @@ pub enum FileProblem {
         /// Number of the element in the file.
         element: u64,
         /// Place of the first occurrence.
-        first: Place,
+        first: FilePosition,
     },
     /// An element that names a node that is not in the file.
     #[error("element {element} names node {node}, but the file has no such node")]

@@ -4,7 +4,7 @@ use rstar::RTree;
 
 use super::MeshError;
 use super::cell_size::CellSize;
-use super::curves::{SIDE_LIMIT, Side};
+use super::curves::{OutlineSide, SIDE_LIMIT};
 use super::grid::{at_least, positive};
 
 type Point = [f64; 2];
@@ -57,7 +57,7 @@ impl Layers {
     ///
     /// # Errors
     /// A boundary that no side belongs to.
-    pub(super) fn near(&self, outline: &[Side], holes: &[Vec<Side>]) -> Result<LayerDistance, MeshError> {
+    pub(super) fn near(&self, outline: &[OutlineSide], holes: &[Vec<OutlineSide>]) -> Result<LayerDistance, MeshError> {
         let loops = std::iter::once(("outer".to_string(), outline));
         let loops = loops.chain((1..).zip(holes).map(|(hole, sides)| (format!("hole {hole}"), &sides[..])));
         let (mut available, mut points): (Vec<String>, Vec<Point>) = (Vec::new(), Vec::new());

@@ -14,7 +14,7 @@ use super::{Boundary, Facet, Mesh, MeshError, SelectionError};
 use crate::elements::{CellKind, CellShape};
 
 /// A place on a reference cell.
-type Place = [f64; 3];
+type ReferencePoint = [f64; 3];
 
 /// The two ends of an edge, the smaller number first.
 type Edge = [u32; 2];
@@ -28,7 +28,7 @@ fn edge(a: u32, b: u32) -> Edge {
 struct ChildCell {
     cell: u32,
     nodes: [u32; 3],
-    places: [Place; 3],
+    places: [ReferencePoint; 3],
 }
 
 /// Mesh during refinement.
@@ -147,7 +147,7 @@ impl Refinement<'_> {
         let on_facet = |facet: &Facet| {
             // the corner opposite to a facet has zero weight at its points
             let [from, across] = [facet.local as usize, (facet.local as usize + 2) % 3];
-            let share = |place: Place, corner: usize| (CellKind::Tri3.row().shape)(place)[corner];
+            let share = |place: ReferencePoint, corner: usize| (CellKind::Tri3.row().shape)(place)[corner];
             let mut found: Vec<(f64, Facet)> = Vec::new();
             for cell in offspring(facet.cell) {
                 let places = pieces[cell as usize].places;

@@ -49,10 +49,10 @@ pub use blocks::Block;
 pub use cell_size::CellSize;
 pub use check::Quality;
 pub use curved::Round;
-pub use curves::{Curve, Side};
+pub use curves::{Curve, OutlineSide};
 pub use error::MeshError;
 pub use extrude::Change;
-pub use file_error::{FileError, FileProblem, Place};
+pub use file_error::{FileError, FilePosition, FileProblem};
 pub use files::{
     Deck, DeckBoundary, DeckMaterial, DeckPair, DeckPart, DeckProperty, FileNote, Includes, ReadOptions, Shells, Structural, Triangles,
 };

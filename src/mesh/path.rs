@@ -10,7 +10,7 @@ use crate::math::tolerances::SAME_PLACE;
 type Vector = [f64; 3];
 
 /// A section's place and directions.
-pub(super) struct Frame {
+pub(super) struct SectionFrame {
     /// Position of the origin of the plane `[length]`.
     pub at: Vector,
     /// Share of the path length up to this position.
@@ -24,7 +24,7 @@ pub(super) struct Frame {
 ///
 /// # Errors
 /// Fewer than two points (closed: four), coincident points, turns of 90 degrees and more.
-pub(super) fn frames(path: &[Vector]) -> Result<(Vec<Frame>, bool), MeshError> {
+pub(super) fn frames(path: &[Vector]) -> Result<(Vec<SectionFrame>, bool), MeshError> {
     if let Some(&value) = path.as_flattened().iter().find(|x| !x.is_finite()) {
         return Err(MeshError::NotFinite { what: "a coordinate of a path", value });
     }
@@ -60,7 +60,7 @@ pub(super) fn frames(path: &[Vector]) -> Result<(Vec<Frame>, bool), MeshError> {
         let (x, y) = (across[k], cross(tangents[k], across[k]));
         let (sine, cosine) = (-turn * share(k)).sin_cos();
         let turned = |a: f64, b: f64| [0, 1, 2].map(|i| a * x[i] + b * y[i]);
-        Frame { at: points[k], share: share(k), along: [turned(cosine, sine), turned(-sine, cosine)] }
+        SectionFrame { at: points[k], share: share(k), along: [turned(cosine, sine), turned(-sine, cosine)] }
     };
     Ok(((0..points.len()).map(frame).collect(), is_closed))
 }

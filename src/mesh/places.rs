@@ -3,11 +3,11 @@
 use std::path::Path;
 
 use super::error::MeshError;
-use super::file_error::{FileError, FileProblem, Place};
+use super::file_error::{FileError, FilePosition, FileProblem};
 
 impl MeshError {
     /// Place in the mesh file or in the included file, if the error has one.
-    pub fn place(&self) -> Option<Place> {
+    pub fn place(&self) -> Option<FilePosition> {
         use MeshError::*;
         match self {
             InvertedCell { at, .. }
@@ -23,7 +23,7 @@ impl MeshError {
     }
 
     /// Sets the place of an error that has one.
-    pub(super) fn set_place(&mut self, place: Place) {
+    pub(super) fn set_place(&mut self, place: FilePosition) {
         use MeshError::*;
         match self {
             InvertedCell { at, .. }
@@ -39,7 +39,7 @@ impl MeshError {
     /// Line of the file, counted from 1, if the error has one.
     pub fn line(&self) -> Option<usize> {
         match self.place() {
-            Some(Place::Line(line)) => Some(line),
+            Some(FilePosition::Line(line)) => Some(line),
             _ => None,
         }
     }
@@ -47,7 +47,7 @@ impl MeshError {
     /// Byte of the file, counted from 0, if the error has one.
     pub fn offset(&self) -> Option<usize> {
         match self.place() {
-            Some(Place::Byte(byte)) => Some(byte),
+            Some(FilePosition::Byte(byte)) => Some(byte),
             _ => None,
         }
     }

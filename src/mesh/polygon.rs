@@ -1,7 +1,7 @@
 //! Polygons with unstructured cells: regions with straight sides, whose corners are checked first.
 
 use super::cell_size::CellSize;
-use super::curves::{Curve, Side};
+use super::curves::{Curve, OutlineSide};
 use super::layers::Layers;
 use super::plane::{cross, is_inside};
 use super::region::layered_region;
@@ -47,7 +47,12 @@ pub fn layered_polygon(
 ///
 /// # Errors
 /// Errors of [`polygon`].
-fn sides(corners: &[[f64; 2]], holes: &[Vec<[f64; 2]>], size: f64, names: &[String]) -> Result<(Vec<Side>, Vec<Vec<Side>>), MeshError> {
+fn sides(
+    corners: &[[f64; 2]],
+    holes: &[Vec<[f64; 2]>],
+    size: f64,
+    names: &[String],
+) -> Result<(Vec<OutlineSide>, Vec<Vec<OutlineSide>>), MeshError> {
     check(corners, size)?;
     for (hole, rim) in holes.iter().enumerate() {
         check(rim, size)?;
@@ -59,9 +64,11 @@ fn sides(corners: &[[f64; 2]], holes: &[Vec<[f64; 2]>], size: f64, names: &[Stri
         }
     }
     let sides = |corners: &[[f64; 2]], names: &[String]| {
-        let side =
-            |k: usize| Side { curve: Curve::Line { from: corners[k], to: corners[(k + 1) % corners.len()] }, name: names.get(k).cloned() };
-        (0..corners.len()).map(side).collect::<Vec<Side>>()
+        let side = |k: usize| OutlineSide {
+            curve: Curve::Line { from: corners[k], to: corners[(k + 1) % corners.len()] },
+            name: names.get(k).cloned(),
+        };
+        (0..corners.len()).map(side).collect::<Vec<OutlineSide>>()
     };
     Ok((sides(corners, names), holes.iter().map(|hole| sides(hole, &[])).collect()))
 }

@@ -5,7 +5,7 @@
 
 use super::cell_size::CellSize;
 use super::columns::layered;
-use super::curves::{Curve, SIDE_LIMIT, Side};
+use super::curves::{Curve, OutlineSide, SIDE_LIMIT};
 use super::filling::filled;
 use super::layers::Layers;
 use super::plane::is_inside;
@@ -20,7 +20,12 @@ use crate::elements::{CellKind, CellShape};
 /// # Errors
 /// Curves that do not follow each other, that cross or touch, holes that are not inside, sizes that are not positive, too many cells,
 /// errors of `size`.
-pub fn region<E: From<MeshError>>(outline: &[Side], holes: &[Vec<Side>], size: CellSize<E>, kind: CellKind) -> Result<Mesh, E> {
+pub fn region<E: From<MeshError>>(
+    outline: &[OutlineSide],
+    holes: &[Vec<OutlineSide>],
+    size: CellSize<E>,
+    kind: CellKind,
+) -> Result<Mesh, E> {
     layered_region(outline, holes, size, kind, None)
 }
 
@@ -30,8 +35,8 @@ pub fn region<E: From<MeshError>>(outline: &[Side], holes: &[Vec<Side>], size: C
 /// # Errors
 /// Errors of [`region`]; unknown boundaries, layers that leave no room for cells, corners too sharp for layers.
 pub fn layered_region<E: From<MeshError>>(
-    outline: &[Side],
-    holes: &[Vec<Side>],
+    outline: &[OutlineSide],
+    holes: &[Vec<OutlineSide>],
     mut size: CellSize<E>,
     kind: CellKind,
     layers: Option<&Layers>,
@@ -63,7 +68,7 @@ pub fn layered_region<E: From<MeshError>>(
 }
 
 /// Rim of a region in pieces of about `factor` times the size, with their curves and names.
-fn rim<E: From<MeshError>>(outline: &[Side], holes: &[Vec<Side>], size: &mut CellSize<E>, factor: f64) -> Result<Rim, E> {
+fn rim<E: From<MeshError>>(outline: &[OutlineSide], holes: &[Vec<OutlineSide>], size: &mut CellSize<E>, factor: f64) -> Result<Rim, E> {
     let mut rim = Rim::default();
     for (number, sides) in std::iter::once(outline).chain(holes.iter().map(Vec::as_slice)).enumerate() {
         let (what, whole) = match number {
@@ -102,8 +107,8 @@ fn rim<E: From<MeshError>>(outline: &[Side], holes: &[Vec<Side>], size: &mut Cel
 }
 
 /// Checks that each curve begins at the end of the previous one, and the first at the end of the last.
-fn follow_each_other(sides: &[Side], what: &str) -> Result<(), MeshError> {
-    let is_loop = |side: &Side| side.curve.start() == side.curve.end();
+fn follow_each_other(sides: &[OutlineSide], what: &str) -> Result<(), MeshError> {
+    let is_loop = |side: &OutlineSide| side.curve.start() == side.curve.end();
     if sides.is_empty() || sides.len() == 1 && !is_loop(&sides[0]) {
         return Err(MeshError::FewCorners { count: sides.len() });
     }
@@ -141,8 +146,8 @@ mod tests {
 
     use super::*;
 
-    fn side(curve: Result<Curve, MeshError>, name: &str) -> Side {
-        Side { curve: curve.unwrap(), name: (!name.is_empty()).then(|| name.to_string()) }
+    fn side(curve: Result<Curve, MeshError>, name: &str) -> OutlineSide {
+        OutlineSide { curve: curve.unwrap(), name: (!name.is_empty()).then(|| name.to_string()) }
     }
 
     fn length(mesh: &Mesh, name: &str) -> f64 {
@@ -150,7 +155,7 @@ mod tests {
     }
 
     /// A slot: two straight sides, a round end and a straight one, with a round hole.
-    fn slot(is_reversed: bool) -> (Vec<Side>, Vec<Vec<Side>>) {
+    fn slot(is_reversed: bool) -> (Vec<OutlineSide>, Vec<Vec<OutlineSide>>) {
         let mut outline = vec![
             side(Curve::line([0.0, 0.0], [2.0, 0.0]), "floor"),
             side(Curve::arc([2.0, 0.0], [2.0, 2.0], [2.0, 1.0], false), "nose"),
@@ -211,7 +216,7 @@ mod tests {
     #[test]
     fn sizes_by_place_are_kept() {
         let square = |k: usize| [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]][k % 4];
-        let outline: Vec<Side> = (0..4).map(|k| side(Curve::line(square(k), square(k + 1)), "")).collect();
+        let outline: Vec<OutlineSide> = (0..4).map(|k| side(Curve::line(square(k), square(k + 1)), "")).collect();
         let mut wanted = |[x, y]: [f64; 2]| Ok::<f64, MeshError>(0.005 + 0.1 * x.hypot(y));
         let mesh = region(&outline, &[], CellSize::At(&mut wanted), CellKind::Quad4).unwrap();
         assert!((mesh.measure() - 1.0).abs() < 1e-12);
@@ -240,8 +245,9 @@ mod tests {
 
     #[test]
     fn what_does_not_bound_a_region_is_refused() {
-        let refusal =
-            |outline: &[Side], holes: &[Vec<Side>]| region(outline, holes, CellSize::<MeshError>::Even(0.1), CellKind::Quad4).unwrap_err();
+        let refusal = |outline: &[OutlineSide], holes: &[Vec<OutlineSide>]| {
+            region(outline, holes, CellSize::<MeshError>::Even(0.1), CellKind::Quad4).unwrap_err()
+        };
         let (outline, _) = slot(false);
         let hole = |x: f64, radius: f64| vec![side(Curve::circle([x, 1.0], radius), "")];
         assert!(matches!(refusal(&outline[..3], &[]), MeshError::OpenOutline { curve: 1, .. }));
@@ -254,7 +260,7 @@ mod tests {
         refusal(&outline, &[hole(0.4, 0.4)]);
         assert!(!crossing.hint().is_empty());
         let bow = [[0.0, 0.0], [1.0, 1.0], [1.0, 0.0], [0.0, 1.0]];
-        let bow: Vec<Side> = (0..4).map(|k| side(Curve::line(bow[k], bow[(k + 1) % 4]), "")).collect();
+        let bow: Vec<OutlineSide> = (0..4).map(|k| side(Curve::line(bow[k], bow[(k + 1) % 4]), "")).collect();
         assert!(matches!(refusal(&bow, &[]), MeshError::CrossingCurves { .. }));
     }
 }

@@ -112,7 +112,7 @@ pub fn rounded_block(size: [f64; 3], radius: f64, cells: [usize; 3], around: [us
     let shares: Vec<f64> = grid(layers).collect();
     let grown = Grown::new([&lines[0], &lines[1], &lines[2]], Some(CORE * radius), radius, &shares)?;
     let is_flat = |slopes: [f64; 3]| slopes.iter().filter(|slope| **slope != 0.0).count() == 1;
-    let named = |side: &Side| if side.slopes.iter().all(|&slopes| is_flat(slopes)) { side.name.clone() } else { "edges".into() };
+    let named = |side: &GridFacet| if side.slopes.iter().all(|&slopes| is_flat(slopes)) { side.name.clone() } else { "edges".into() };
     let mut mesh = grown.mesh(named);
     // Boundaries of flat sides come first, in the order of `block`.
     mesh.boundaries.sort_by_key(|boundary| boundary.name == "edges");
@@ -149,7 +149,7 @@ fn round_line(cells: [usize; 2]) -> Result<Vec<Line>, MeshError> {
 }
 
 /// A facet of the surface of the grid.
-struct Side {
+struct GridFacet {
     /// Name of the grid side that contains the facet.
     name: String,
     nodes: Vec<u32>,
@@ -161,7 +161,7 @@ struct Side {
 struct Grown {
     /// Mesh with the cells of the core first, if there is a core, and without boundaries.
     mesh: Mesh,
-    sides: Vec<Side>,
+    sides: Vec<GridFacet>,
     layers: usize,
     has_core: bool,
 }
@@ -178,13 +178,17 @@ impl Grown {
         let grid = block([1.0; 3], counts, [0.0; 3])?;
         let corners: Vec<[Line; 3]> =
             lines[2].iter().flat_map(|&z| lines[1].iter().flat_map(move |&y| lines[0].iter().map(move |&x| [x, y, z]))).collect();
-        let sides: Vec<Side> = grid
+        let sides: Vec<GridFacet> = grid
             .boundaries
             .iter()
             .flat_map(|boundary| {
                 boundary.facets.iter().map(|&facet| (boundary.name.clone(), grid.facet_nodes(facet).collect::<Vec<u32>>()))
             })
-            .map(|(name, nodes)| Side { name, slopes: nodes.iter().map(|&n| corners[n as usize].map(|line| line.slope)).collect(), nodes })
+            .map(|(name, nodes)| GridFacet {
+                name,
+                slopes: nodes.iter().map(|&n| corners[n as usize].map(|line| line.slope)).collect(),
+                nodes,
+            })
             .collect();
         let mut rim: Vec<u32> = sides.iter().flat_map(|side| side.nodes.iter().copied()).collect();
         rim.sort_unstable();
@@ -227,7 +231,7 @@ impl Grown {
     }
 
     /// Mesh with each facet of its surface in a boundary named by `named`, and with `inner` if there is no core.
-    fn mesh(self, named: impl Fn(&Side) -> String) -> Mesh {
+    fn mesh(self, named: impl Fn(&GridFacet) -> String) -> Mesh {
         let Grown { mut mesh, sides, layers, has_core } = self;
         let core = mesh.cell_count() - layers * sides.len();
         let cell = |layer: usize, side: usize| (core + layer * sides.len() + side) as u32;

@@ -68,7 +68,7 @@ pub(super) struct Order {
 
 /// Side of a stack on which facets of a boundary lie: its foot, or its left or right column.
 #[derive(Clone, Copy)]
-enum Side {
+enum StackSide {
     Foot,
     Left,
     Right,
@@ -126,11 +126,11 @@ impl Layered {
         let stacks: Vec<Stacks> = self.strips.iter().map(|strip| Stacks::added(strip, &self.rest, filled)).collect();
         let facets = |source: Source| match source {
             Source::Piece(piece) => filled.along.get(&piece).cloned().unwrap_or_default(),
-            Source::Stack(strip, stack) => vec![stacks[strip].facet(stack, 0, Side::Foot)],
-            Source::Start(strip) => (0..stacks[strip].levels).rev().map(|level| stacks[strip].facet(0, level, Side::Left)).collect(),
+            Source::Stack(strip, stack) => vec![stacks[strip].facet(stack, 0, StackSide::Foot)],
+            Source::Start(strip) => (0..stacks[strip].levels).rev().map(|level| stacks[strip].facet(0, level, StackSide::Left)).collect(),
             Source::End(strip) => {
                 let last = self.strips[strip].pieces.len() - 1;
-                (0..stacks[strip].levels).map(|level| stacks[strip].facet(last, level, Side::Right)).collect()
+                (0..stacks[strip].levels).map(|level| stacks[strip].facet(last, level, StackSide::Right)).collect()
             }
         };
         Ok(self.order.iter().map(|order| (order.curve, facets(order.source))).collect())
@@ -147,17 +147,17 @@ struct Stacks {
 
 impl Stacks {
     /// The facet of a cell on a side.
-    fn facet(&self, stack: usize, level: usize, side: Side) -> Facet {
+    fn facet(&self, stack: usize, level: usize, side: StackSide) -> Facet {
         let cell = stack * self.levels + level;
         let (cell, local) = match (&self.cuts, side) {
-            (None, Side::Foot) => (cell, 0),
-            (None, Side::Right) => (cell, 1),
-            (None, Side::Left) => (cell, 3),
-            (Some(_), Side::Foot) => (2 * cell, 0),
-            (Some(cuts), Side::Right) if cuts[cell] => (2 * cell + 1, 0),
-            (Some(_), Side::Right) => (2 * cell, 1),
-            (Some(cuts), Side::Left) if cuts[cell] => (2 * cell, 2),
-            (Some(_), Side::Left) => (2 * cell + 1, 2),
+            (None, StackSide::Foot) => (cell, 0),
+            (None, StackSide::Right) => (cell, 1),
+            (None, StackSide::Left) => (cell, 3),
+            (Some(_), StackSide::Foot) => (2 * cell, 0),
+            (Some(cuts), StackSide::Right) if cuts[cell] => (2 * cell + 1, 0),
+            (Some(_), StackSide::Right) => (2 * cell, 1),
+            (Some(cuts), StackSide::Left) if cuts[cell] => (2 * cell, 2),
+            (Some(_), StackSide::Left) => (2 * cell + 1, 2),
         };
         Facet { cell: self.first + cell as u32, local }
     }

@@ -47,7 +47,7 @@ impl RowStore {
     }
 
     /// Stores a block in the file, or in memory without a folder or with a full disk.
-    fn put(&self, bytes: Vec<u8>) -> Place {
+    fn put(&self, bytes: Vec<u8>) -> BlockStorage {
         let mut stored = self.file.borrow_mut();
         let Stored { run, file, length, .. } = &mut *stored;
         if let (None, Some(run)) = (&file, run) {
@@ -55,9 +55,9 @@ impl RowStore {
         }
         let written = |file: &mut File| file.seek(SeekFrom::Start(*length)).and_then(|_| file.write_all(&bytes));
         if file.as_mut().is_none_or(|file| written(file).is_err()) {
-            return Place::Memory(bytes);
+            return BlockStorage::Memory(bytes);
         }
-        let place = Place::File { start: *length, length: bytes.len() };
+        let place = BlockStorage::File { start: *length, length: bytes.len() };
         *length += bytes.len() as u64;
         place
     }
@@ -92,11 +92,11 @@ struct Block {
     /// Index of the block's first row, equal in every history that shares the block.
     first: usize,
     count: usize,
-    place: Place,
+    place: BlockStorage,
 }
 
 #[derive(Debug)]
-enum Place {
+enum BlockStorage {
     Memory(Vec<u8>),
     File { start: u64, length: usize },
 }
@@ -106,8 +106,8 @@ impl Block {
     fn visit(&self, store: &RowStore, each: &mut dyn FnMut(&LedgerRow)) {
         let read;
         let mut rest = match &self.place {
-            Place::Memory(bytes) => &bytes[..],
-            Place::File { start, length } => {
+            BlockStorage::Memory(bytes) => &bytes[..],
+            BlockStorage::File { start, length } => {
                 let bytes = store.take(*start, *length);
                 read = bytes.unwrap_or_else(|error| {
                     store.file.borrow_mut().problem.get_or_insert_with(|| error.to_string());

@@ -111,7 +111,7 @@ impl Default for Plot {
 }
 
 /// Axes with their labels, in a picture of a given height.
-pub(super) struct Frame {
+pub(super) struct PlotFrame {
     height: f64,
     pub low: Point,
     pub high: Point,
@@ -119,7 +119,7 @@ pub(super) struct Frame {
     y: Axis,
 }
 
-impl Frame {
+impl PlotFrame {
     /// Begins a group clipped to the box, extended by half of a line's width.
     pub fn clip_into(&self, out: &mut Drawing) {
         out.begin_clipped([self.low[0] - 2.0, self.low[1] - 2.0], [self.high[0] + 2.0, self.high[1] + 2.0]);
@@ -145,7 +145,7 @@ impl Plot {
     }
 
     /// Draws title, legend and axes, with `free` pixels left at the right.
-    pub(super) fn framed(&self, free: f64) -> (Drawing, Frame) {
+    pub(super) fn framed(&self, free: f64) -> (Drawing, PlotFrame) {
         let [width, height] = self.size;
         let mut out = Drawing::new(self.size);
         let (count_x, count_y) = ((width / 80.0) as usize, (height / 65.0) as usize);
@@ -162,7 +162,7 @@ impl Plot {
         let below = MARGIN + label_height(&self.x, TEXT + 8.0) + TEXT + 4.0;
         let height = height.max(top + LEAST + below);
         out.set_height(height);
-        let frame = Frame { low: [left, top], high: [right, height - below], height, x, y };
+        let frame = PlotFrame { low: [left, top], high: [right, height - below], height, x, y };
         self.axes_into(&mut out, &frame);
         (out, frame)
     }
@@ -203,8 +203,8 @@ impl Plot {
         y + 0.5 * TEXT + 10.0
     }
 
-    fn axes_into(&self, out: &mut Drawing, frame: &Frame) {
-        let (Frame { low, high, x, y, height }, thin) = (frame, Stroke::new(GRID, 1.0));
+    fn axes_into(&self, out: &mut Drawing, frame: &PlotFrame) {
+        let (PlotFrame { low, high, x, y, height }, thin) = (frame, Stroke::new(GRID, 1.0));
         let at_x = |tick: f64| low[0] + (tick - x.low) / (x.high - x.low) * (high[0] - low[0]);
         let at_y = |tick: f64| high[1] - (tick - y.low) / (y.high - y.low) * (high[1] - low[1]);
         for &tick in &x.ticks {
@@ -254,7 +254,7 @@ fn marker([x, y]: Point) -> Line {
     Line::closed((0..ROUND).map(corner).collect::<Vec<_>>())
 }
 
-fn curve_into(out: &mut Drawing, curve: &Curve, color: Color, frame: &Frame) {
+fn curve_into(out: &mut Drawing, curve: &Curve, color: Color, frame: &PlotFrame) {
     let places: Vec<Point> = curve.x.iter().zip(&curve.y).map(|(&x, &y)| frame.place(x, y)).collect();
     let mut markers = Vec::new();
     for run in places.split(|place| !place.iter().all(|x| x.is_finite())).filter(|run| !run.is_empty()) {

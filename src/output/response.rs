@@ -5,7 +5,7 @@
 use super::axis::Axis;
 use super::colormap::viridis;
 use super::drawing::{Anchor, Color, Drawing, Ink, Line, Point, Stroke};
-use super::plot::{Frame, Plot, PlotAxis};
+use super::plot::{Plot, PlotAxis, PlotFrame};
 
 /// Values over two parameters.
 #[derive(Clone, Debug, PartialEq)]
@@ -77,7 +77,7 @@ impl Response {
     }
 
     /// Draws the color bar.
-    fn scale_into(&self, out: &mut Drawing, frame: &Frame, values: &Axis) {
+    fn scale_into(&self, out: &mut Drawing, frame: &PlotFrame, values: &Axis) {
         let (low, high) = (frame.low[1], frame.high[1]);
         let left = frame.high[0] + 24.0;
         let at = |share: f64| high - share * (high - low);

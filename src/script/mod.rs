@@ -8,7 +8,7 @@ mod api;
 mod language;
 mod session;
 
-pub use language::diagnostics::{Diagnostic, Frame, Ink, Severity};
+pub use language::diagnostics::{CallFrame, Diagnostic, Ink, Severity};
 pub use language::failure::Class;
 pub use language::function::{Form, Function, Topic};
 pub use language::handle::Receiver;
@@ -17,7 +17,7 @@ pub use language::observer::{ContactChange, Event, Observer, Progress, Silent};
 pub use language::parameter::{Absent, Kind, Parameter};
 pub use language::registry::Registry;
 pub use language::settings::{Checkpoints, Mode, Settings, processors, worthwhile};
-pub use language::sources::Place;
+pub use language::sources::SourceSpan;
 pub use session::calls::Calls;
 pub use session::codes::{Explanation, explanations};
 pub use session::completion::Candidate;

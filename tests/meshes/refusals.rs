@@ -9,7 +9,7 @@ use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-use conserva::mesh::{MeshError, Place, ReadOptions, Structural, below_folder_of, read_deck, read_mesh_with, read_surface};
+use conserva::mesh::{FilePosition, MeshError, ReadOptions, Structural, below_folder_of, read_deck, read_mesh_with, read_surface};
 
 /// Texts of the source that are no messages, each with its reason.
 const NO_MESSAGES: &[&str] = &[
@@ -103,8 +103,8 @@ impl Case {
         let Some(error) = error else { return (vec!["= read".into()], String::new()) };
         let message = error.to_string().replace(&*file.to_string_lossy(), "FILE");
         let place = match error.place() {
-            Some(Place::Line(line)) => format!("line {line}"),
-            Some(Place::Byte(byte)) => format!("byte {byte}"),
+            Some(FilePosition::Line(line)) => format!("line {line}"),
+            Some(FilePosition::Byte(byte)) => format!("byte {byte}"),
             None => "nowhere".into(),
         };
         (

@@ -51,7 +51,7 @@ pub fn serve(listener: TcpListener, site: Arc<Site>) -> io::Result<()> {
                 thread::sleep(REFUSING);
                 continue;
             };
-            let place = Place::take(&open);
+            let place = ConnectionSlot::take(&open);
             if place.0.load(Ordering::Relaxed) > MOST {
                 // Beyond the limit, connections are closed without an answer.
                 let _ = refuse.try_send(stream);
@@ -72,16 +72,16 @@ fn thread(name: &str, work: impl FnOnce() + Send + 'static) -> io::Result<()> {
 }
 
 /// Slot of an open connection.
-struct Place(Arc<AtomicUsize>);
+struct ConnectionSlot(Arc<AtomicUsize>);
 
-impl Place {
+impl ConnectionSlot {
     fn take(open: &Arc<AtomicUsize>) -> Self {
         open.fetch_add(1, Ordering::Relaxed);
-        Place(open.clone())
+        ConnectionSlot(open.clone())
     }
 }
 
-impl Drop for Place {
+impl Drop for ConnectionSlot {
     fn drop(&mut self) {
         self.0.fetch_sub(1, Ordering::Relaxed);
     }

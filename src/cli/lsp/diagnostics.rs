@@ -5,11 +5,11 @@ use std::time::Duration;
 use lsp_types::{DiagnosticSeverity, NumberOrString, Position};
 
 use super::positions::range_of;
-use crate::script::{Diagnostic, Document, Place, Severity};
+use crate::script::{Diagnostic, Document, Severity, SourceSpan};
 
 /// Converts a message about a text: fault, causes and hints. Errors in a module are placed at its import or call.
 pub fn published(document: &Document, finding: &Diagnostic) -> lsp_types::Diagnostic {
-    let own = |place: &&Place| document.is_own(place);
+    let own = |place: &&SourceSpan| document.is_own(place);
     let frames = finding.frames.iter().filter_map(|frame| frame.place.as_ref());
     let place = finding.place.as_ref().filter(own).or_else(|| frames.into_iter().find(own));
     let elsewhere = finding.place.iter().filter(|place| !document.is_own(place)).map(|place| format!("at {place}"));
@@ -30,7 +30,7 @@ fn message(range: lsp_types::Range, severity: DiagnosticSeverity, code: Option<N
 }
 
 /// Note at the first use of a result, after which only names are checked.
-pub fn stopped_note(document: &Document, place: &Place) -> lsp_types::Diagnostic {
+pub fn stopped_note(document: &Document, place: &SourceSpan) -> lsp_types::Diagnostic {
     let range = if document.is_own(place) { range_of(&place.text, &place.range) } else { lsp_types::Range::default() };
     let text = "a result is used here; what follows depends on it and is checked by a run only".into();
     message(range, DiagnosticSeverity::HINT, None, text)

@@ -17,7 +17,7 @@ use super::vectors::Vec3;
 use crate::contact::faces::{self, Vector};
 use crate::contact::kernel::{CandidateSearch, ContactKernel, PatchFunctions, RigidObstacle};
 use crate::contact::numbers::Number;
-use crate::contact::patches::{Evaluation, Place};
+use crate::contact::patches::{ElementBlocks, Evaluation};
 use crate::contact::search::Candidates;
 use crate::contact::slip::SlipStep;
 use crate::contact::surface::{Sides, Surface};
@@ -30,7 +30,7 @@ pub(super) const SLOTS: usize = 3;
 pub(super) const OF_BALL: (usize, f64) = (6, 3.0);
 
 /// Search distance beyond the required one, in smallest facets.
-const SPARE: f64 = 1.0;
+const SEARCH_MARGIN: f64 = 1.0;
 
 /// Largest penetration at which a constraint is considered, in smallest facets; `OPEN`: largest opening.
 const DEEP: f64 = 0.55;
@@ -118,7 +118,7 @@ impl CornersInSpace {
         let row_nodes: Vec<u32> = (0..owners.count()).map(|owner| owners.facet(owner)[0]).collect();
         sides.facet_size = facet_size;
         sides.weights = vec![facet_size * facet_size; SLOTS * owners.count()];
-        let candidates = Candidates::new(SPARE * facet_size);
+        let candidates = Candidates::new(SEARCH_MARGIN * facet_size);
         CornersInSpace {
             sides,
             features,
@@ -388,7 +388,7 @@ impl PatchFunctions for CornersInSpace {
             let end_gap = self.gap_of(patch, measure, &end);
             (out.gap[row], out.coverage[row]) = (weight * end_gap, 1.0);
             let (width, slot, pressure) = (end.len(), self.rows[patch].map_or(0, |(slot, _)| slot), lambda[row]);
-            let Place { gradient_end, gradient_bar, tangent } = out.open(&self.sides.patches, patch, pressure != 0.0);
+            let ElementBlocks { gradient_end, gradient_bar, tangent } = out.open(&self.sides.patches, patch, pressure != 0.0);
             let place = slot * width..(slot + 1) * width;
             measure.gradient_into(&end, weight, &mut gradient_end[place.clone()]);
             let middle: Vec<f64> = start.iter().zip(&end).map(|(a, b)| 0.5 * (a + b)).collect();

@@ -28,14 +28,14 @@ const PARTLY: [f64; 2] = [0.75, 0.9];
 
 /// Multiplier shape functions of a facet as coefficients `C` of its standard shape functions; `None` for the identity.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Shape(Option<[[f64; CORNERS]; CORNERS]>);
+pub struct MultiplierFunctions(Option<[[f64; CORNERS]; CORNERS]>);
 
-impl Shape {
+impl MultiplierFunctions {
     /// Standard shape functions of the facet.
-    pub const STANDARD: Shape = Shape(None);
+    pub const STANDARD: MultiplierFunctions = MultiplierFunctions(None);
 
     /// Dual functions for the given positions of the nodes; standard functions for facets that are folded or have no area.
-    fn dual(nodes: &[Vec3<f64>]) -> Shape {
+    fn dual(nodes: &[Vec3<f64>]) -> MultiplierFunctions {
         let of_pair = |both: &[Vec3<f64>]| {
             let mass = Pair::new(both, [nodes.len(); 2])?.mortar_weights();
             let mass = nalgebra::DMatrix::from_fn(nodes.len(), nodes.len(), |j, k| mass[j][k]);
@@ -43,21 +43,21 @@ impl Shape {
             Some(array::from_fn(|j| array::from_fn(|k| if j.max(k) < nodes.len() { shares[j] * inverse[(j, k)] } else { 0.0 })))
         };
         // The mortar integrals of the facet with its own reverse are its mass matrix.
-        Shape(of_pair(&nodes.iter().chain(nodes.iter().rev()).copied().collect::<Vec<_>>()))
+        MultiplierFunctions(of_pair(&nodes.iter().chain(nodes.iter().rev()).copied().collect::<Vec<_>>()))
     }
 
     /// Blend `share C + (1 - share) I` of the dual coefficients `C` and the standard shape functions (identity `I`).
-    fn in_part(&self, share: f64) -> Shape {
+    fn in_part(&self, share: f64) -> MultiplierFunctions {
         let of = |by: &[[f64; CORNERS]; CORNERS]| -> [[f64; CORNERS]; CORNERS] {
             array::from_fn(|j| array::from_fn(|k| share * by[j][k] + if j == k { 1.0 - share } else { 0.0 }))
         };
-        if share > 0.0 { Shape(self.0.as_ref().map(of)) } else { Shape::STANDARD }
+        if share > 0.0 { MultiplierFunctions(self.0.as_ref().map(of)) } else { MultiplierFunctions::STANDARD }
     }
 
     /// Transforms values for the standard shape functions into values for the multiplier shape functions, `C own`.
     #[inline(always)]
     pub fn of<T: Copy + Add<Output = T> + Mul<f64, Output = T>>(&self, own: [T; CORNERS]) -> [T; CORNERS] {
-        let Shape(Some(by)) = self else { return own };
+        let MultiplierFunctions(Some(by)) = self else { return own };
         by.map(|by| own[0] * by[0] + own[1] * by[1] + own[2] * by[2] + own[3] * by[3])
     }
 
@@ -80,7 +80,7 @@ impl Shape {
 
     /// Weights `C^T w` of the standard shape functions in a sum of the multiplier shape functions with the weights `w`.
     pub fn back(&self, weights: [f64; CORNERS]) -> [f64; CORNERS] {
-        let Shape(Some(by)) = self else { return weights };
+        let MultiplierFunctions(Some(by)) = self else { return weights };
         array::from_fn(|k| (0..CORNERS).map(|j| by[j][k] * weights[j]).sum())
     }
 }
@@ -89,9 +89,9 @@ impl Shape {
 #[derive(Clone, Debug)]
 pub struct Duals {
     /// Dual functions of each facet.
-    dual: Vec<Shape>,
+    dual: Vec<MultiplierFunctions>,
     /// Functions of each facet in this step.
-    in_step: Vec<Shape>,
+    in_step: Vec<MultiplierFunctions>,
 }
 
 impl Duals {
@@ -99,13 +99,13 @@ impl Duals {
     pub fn new(surface: &Surface, reference: &[f64]) -> Self {
         let of = |facet: usize| {
             let nodes: Vec<Vec3<f64>> = surface.facet(facet).iter().map(|&node| faces::at(node, reference).into()).collect();
-            Shape::dual(&nodes)
+            MultiplierFunctions::dual(&nodes)
         };
-        Duals { dual: (0..surface.count()).map(of).collect(), in_step: vec![Shape::STANDARD; surface.count()] }
+        Duals { dual: (0..surface.count()).map(of).collect(), in_step: vec![MultiplierFunctions::STANDARD; surface.count()] }
     }
 
     /// Multiplier shape functions of a facet in this step.
-    pub fn shape(&self, facet: u32) -> &Shape {
+    pub fn shape(&self, facet: u32) -> &MultiplierFunctions {
         &self.in_step[facet as usize]
     }
 
@@ -135,7 +135,7 @@ impl Duals {
             }
         }
         let share = |facet: usize, kind: usize| covered[facet][kind] / (0.5 * faces::area_vector(secondary.facet(facet), q_0).norm());
-        let of = |(facet, dual): (usize, &Shape)| {
+        let of = |(facet, dual): (usize, &MultiplierFunctions)| {
             let around = secondary.local_facet(facet).iter().flat_map(|&node| secondary.adjacent_facets(node as usize));
             let least = around.map(|&other| share(other as usize, 1)).fold(share(facet, 0), f64::min);
             dual.in_part(part(least))
@@ -214,8 +214,8 @@ mod tests {
             let all = [[-9.0, 9.0, 1.0], [9.0, 9.0, 1.0], [9.0, -9.0, 1.0], [-9.0, -9.0, 1.0]];
             let x: Vec<Vec3<f64>> = nodes.iter().copied().chain(all).collect();
             let pair = Pair::new(&x, [count, 4]).expect("it has an area");
-            let (shape, shares) = (Shape::dual(&nodes), pair.covered());
-            prop_assert!(shape != Shape::STANDARD);
+            let (shape, shares) = (MultiplierFunctions::dual(&nodes), pair.covered());
+            prop_assert!(shape != MultiplierFunctions::STANDARD);
             for (j, row) in shape.of_lists(pair.mortar_weights()).iter().enumerate().take(count) {
                 for (k, integral) in row[..count].iter().enumerate() {
                     let expected = if j == k { shares[j] } else { 0.0 };
@@ -244,7 +244,7 @@ mod tests {
             };
             let (left, whole) = (covered(all), covered([at(-9.0, 9.0), at(9.0, 9.0), at(9.0, -9.0), at(-9.0, -9.0)]));
             let share = left.iter().sum::<f64>() / whole.iter().sum::<f64>();
-            let shape = Shape::dual(&nodes).in_part(part(share));
+            let shape = MultiplierFunctions::dual(&nodes).in_part(part(share));
             for (row, whole) in shape.of(left).iter().zip(whole) {
                 prop_assert!(*row >= -1e-15 && *row <= 2.0 * whole + 1e-15, "{row} of {whole}, {share} is covered");
             }
@@ -307,7 +307,7 @@ mod tests {
     /// Closed form: each dual function of a triangle is three times its own shape function minus the two others.
     #[test]
     fn the_functions_of_triangles_are_known() {
-        let shape = Shape::dual(&[[0.3, 0.1, 0.0], [2.0, 0.4, 0.7], [-0.5, 1.5, 0.2]]);
+        let shape = MultiplierFunctions::dual(&[[0.3, 0.1, 0.0], [2.0, 0.4, 0.7], [-0.5, 1.5, 0.2]]);
         for (k, of) in shape.of([[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0; 4]].map(Each)).iter().enumerate() {
             for (j, by) in of.0.iter().enumerate() {
                 let expected = if j == 3 || k == 3 {

@@ -76,7 +76,7 @@ impl PartialEq for Facets {
 
 /// Kind of the nearest point of a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Place {
+enum Feature {
     Face,
     /// Edge from the given corner (0 to 2) to the next one.
     Edge(usize),
@@ -116,36 +116,36 @@ impl PointDistance for Face {
 
 impl Face {
     /// Nearest point of the triangle, and its kind (Ericson, Real-Time Collision Detection, 2005, section 5.1.5).
-    fn nearest(&self, x: Vector3<f64>) -> (Vector3<f64>, Place) {
+    fn nearest(&self, x: Vector3<f64>) -> (Vector3<f64>, Feature) {
         let [a, b, c] = self.corners;
         let (ab, ac) = (b - a, c - a);
         let dots = |from: Vector3<f64>| (ab.dot(&(x - from)), ac.dot(&(x - from)));
         let ((d1, d2), (d3, d4), (d5, d6)) = (dots(a), dots(b), dots(c));
         let (va, vb, vc) = (d3 * d6 - d5 * d4, d5 * d2 - d1 * d6, d1 * d4 - d3 * d2);
         if d1 <= 0.0 && d2 <= 0.0 {
-            (a, Place::Vertex(0))
+            (a, Feature::Vertex(0))
         } else if d3 >= 0.0 && d4 <= d3 {
-            (b, Place::Vertex(1))
+            (b, Feature::Vertex(1))
         } else if d6 >= 0.0 && d5 <= d6 {
-            (c, Place::Vertex(2))
+            (c, Feature::Vertex(2))
         } else if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
-            (a + ab * (d1 / (d1 - d3)), Place::Edge(0))
+            (a + ab * (d1 / (d1 - d3)), Feature::Edge(0))
         } else if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
-            (a + ac * (d2 / (d2 - d6)), Place::Edge(2))
+            (a + ac * (d2 / (d2 - d6)), Feature::Edge(2))
         } else if va <= 0.0 && d4 >= d3 && d5 >= d6 {
-            (b + (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6))), Place::Edge(1))
+            (b + (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6))), Feature::Edge(1))
         } else {
             let inverse = 1.0 / (va + vb + vc);
-            (a + ab * (vb * inverse) + ac * (vc * inverse), Place::Face)
+            (a + ab * (vb * inverse) + ac * (vc * inverse), Feature::Face)
         }
     }
 
     fn distance(&self, x: Vector3<f64>) -> Distance {
         let (at, place) = self.nearest(x);
         let (pseudo, covered, is_plane) = match place {
-            Place::Face => (self.normal, true, true),
-            Place::Edge(k) => (self.of_edges[k], !self.ends[0][k], self.goes_on[0][k]),
-            Place::Vertex(k) => (self.of_vertices[k], !self.ends[1][k], self.goes_on[1][k]),
+            Feature::Face => (self.normal, true, true),
+            Feature::Edge(k) => (self.of_edges[k], !self.ends[0][k], self.goes_on[0][k]),
+            Feature::Vertex(k) => (self.of_vertices[k], !self.ends[1][k], self.goes_on[1][k]),
         };
         // An edge between coplanar faces, such as a diagonal, is ignored: the distance above it is that from the faces.
         let is_flat = covered && pseudo.dot(&self.normal) >= 1.0 - COPLANAR;
@@ -160,7 +160,7 @@ impl Face {
         }
         let normal = r * (sign / length);
         let mut across = Matrix3::identity() - normal * normal.transpose();
-        if let Place::Edge(k) = place {
+        if let Feature::Edge(k) = place {
             let along = (self.corners[(k + 1) % 3] - self.corners[k]).normalize();
             across -= along * along.transpose();
         }

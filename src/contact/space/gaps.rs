@@ -11,7 +11,7 @@
 //! with the derivative of `n` vanish. All functions are generic in the number type, so that numbers with derivatives give the Hessian.
 
 use super::profiles::{Form, Profile, derivatives, value};
-use super::vectors::{self, Frame, Gradient, Jet, Vec3, cross, diagonals, dot, scaled, sub};
+use super::vectors::{self, FacetFrame, Gradient, Jet, Vec3, cross, diagonals, dot, scaled, sub};
 use crate::contact::numbers::Number;
 
 /// Largest number of nodes of a constraint.
@@ -163,7 +163,9 @@ impl Measure {
     /// Two unit tangents perpendicular to the gap direction, which move with the facet or with the first edge.
     pub fn tangents<T: Number>(self, z: &[Vec3<T>]) -> Option<[Vec3<T>; 2]> {
         match self {
-            Measure::Facet(_) | Measure::Over(..) => Frame::new(&z[1..]).map(|Frame { axes: [first, second, _], .. }| [first, second]),
+            Measure::Facet(_) | Measure::Over(..) => {
+                FacetFrame::new(&z[1..]).map(|FacetFrame { axes: [first, second, _], .. }| [first, second])
+            }
             Measure::Edges(_) => {
                 let Spread { first, normal, .. } = Spread::of_edges(z);
                 let first = scaled(first, dot(first, first).sqrt().recip());

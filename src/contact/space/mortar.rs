@@ -4,7 +4,7 @@
 //! each pair is projected orthogonally to the rigid motions of its nodes at mid-step, so that energy, linear and angular momentum are exact
 //! while facets slide.
 
-use super::dual::{Duals, Shape};
+use super::dual::{Duals, MultiplierFunctions};
 use super::gaps::Measure;
 use super::pair::{Gradients, Pair};
 use super::profiles::Profile;
@@ -24,7 +24,7 @@ use crate::math::tolerances::{EDGES_MEET, PROJECTED_INCREMENT};
 use crate::math::workers::Workers;
 
 /// Search distance beyond the required one, in smallest secondary facets.
-const SPARE: f64 = 0.5;
+const SEARCH_MARGIN: f64 = 0.5;
 
 /// Number of pairs per task of a thread.
 const SHARED: usize = 32;
@@ -40,7 +40,7 @@ pub struct MortarInSpace {
     search: PairSearch,
     /// Positions of all nodes at the start of the step, and each pair there.
     q_0: Vec<f64>,
-    start: Vec<Start>,
+    start: Vec<PairStart>,
     /// Height profiles of the facets of both sides; `heights`: heights of the curves above the nodes.
     profiles: [Vec<Profile>; 2],
     heights: [Vec<f64>; 2],
@@ -56,7 +56,7 @@ pub struct MortarInSpace {
 
 /// State of a facet pair at the start of the step.
 #[derive(Clone, Debug)]
-struct Start {
+struct PairStart {
     values: [f64; CORNERS],
     overlaps: bool,
 }
@@ -128,7 +128,7 @@ impl MortarInSpace {
     fn new(seen: &ProxySurfacesInSpace) -> Self {
         let ProxySurfacesInSpace { secondary, primary, reference, profiles: [own, _], .. } = seen;
         let sides = Sides::of(secondary.clone(), primary.clone(), reference);
-        let search = PairSearch::new(&sides, reference, SPARE * sides.facet_size);
+        let search = PairSearch::new(&sides, reference, SEARCH_MARGIN * sides.facet_size);
         let turns = slip::turns(&sides.secondary, reference);
         MortarInSpace {
             sides,
@@ -151,8 +151,8 @@ impl MortarInSpace {
     }
 
     /// Multiplier shape functions of pair `p` in this step.
-    fn shape(&self, p: usize) -> &Shape {
-        self.duals.as_ref().map_or(&Shape::STANDARD, |duals| duals.shape(self.search.candidates.pairs()[p][0]))
+    fn shape(&self, p: usize) -> &MultiplierFunctions {
+        self.duals.as_ref().map_or(&MultiplierFunctions::STANDARD, |duals| duals.shape(self.search.candidates.pairs()[p][0]))
     }
 
     /// Numbers of nodes of both facets of pair `p`.
@@ -261,12 +261,12 @@ impl PatchFunctions for MortarInSpace {
         let mut z = Vec::with_capacity(UNKNOWNS);
         let start = |p: usize| {
             if !self.search.near[p] {
-                return Start { values: [0.0; CORNERS], overlaps: false };
+                return PairStart { values: [0.0; CORNERS], overlaps: false };
             }
             self.sides.patches.gather_into(p, q_0, &mut z);
             let pair = self.pair(p, &z);
             let values = pair.as_ref().map_or([0.0; CORNERS], |pair| self.shape(p).of(pair.values()));
-            Start { values, overlaps: pair.is_some() }
+            PairStart { values, overlaps: pair.is_some() }
         };
         self.start = (0..self.sides.patches.len()).map(start).collect();
         self.q_0.clear();
@@ -443,8 +443,8 @@ impl Scratch {
 /// The functions of a pair in a step.
 struct Functions<'a> {
     kernel: &'a MortarInSpace,
-    start: &'a Start,
-    shape: &'a Shape,
+    start: &'a PairStart,
+    shape: &'a MultiplierFunctions,
     /// Multipliers of the secondary nodes.
     weights: [f64; CORNERS],
     middle: Option<Pair<f64>>,

@@ -30,7 +30,7 @@ use crate::integrators::{Configuration, Derivative};
 use crate::math::tolerances::{LIES_ALONG, PROJECTED_INCREMENT, REMAINDER};
 
 /// Penetration, in smallest facets, beyond which an edge has no constraint: larger initial overlaps are resolved by nodal constraints.
-const SUNK: f64 = 0.55;
+const OVERLAP_OF_SURFACES: f64 = 0.55;
 
 /// Opening in smallest facets, in addition to the motion bound, up to which an edge has a constraint.
 const OPEN: f64 = 0.25;
@@ -272,7 +272,7 @@ impl RoundInSpace {
         if self.only_at_rim && kink.is_none() && !self.shape.is_at_rim(ends[0].lerp(&ends[1], share)) {
             return false;
         }
-        (AT_END..=1.0 - AT_END).contains(&share) && at.gap < reach && at.gap > -SUNK * size
+        (AT_END..=1.0 - AT_END).contains(&share) && at.gap < reach && at.gap > -OVERLAP_OF_SURFACES * size
     }
 
     /// Distance that the obstacle moves in the step.

@@ -14,7 +14,7 @@
 //! configuration, so that the facets around a node agree. Multiplier components keep their meaning from step to step, without transport as
 //! a body rotates.
 
-use super::vectors::{Frame, Jet, LANES, Vec3, columns_into, cross, dot, jets, scaled, sub};
+use super::vectors::{FacetFrame, Jet, LANES, Vec3, columns_into, cross, dot, jets, scaled, sub};
 use crate::contact::faces;
 use crate::contact::numbers::Number;
 use crate::contact::patches::{Evaluation, Patches};
@@ -262,7 +262,7 @@ fn without_rigid_motion<T: Number>(z: &[Vec3<T>], vectors: &[Vec3<T>]) -> Vec<Ve
 pub fn turns(surface: &Surface, reference: &[f64]) -> Vec<Vec<[f64; 2]>> {
     let axes = |facet: usize| {
         let nodes: Vec<Vec3<f64>> = surface.facet(facet).iter().map(|&node| faces::at(node, reference).into()).collect();
-        Frame::new(&nodes).map(|frame| frame.axes)
+        FacetFrame::new(&nodes).map(|frame| frame.axes)
     };
     let axes: Vec<Option<[Vec3<f64>; 3]>> = (0..surface.count()).map(axes).collect();
     let along: Vec<Option<Vec3<f64>>> = (0..surface.nodes().len())
@@ -351,9 +351,9 @@ mod tests {
     }
 
     fn slips(kernel: &dyn ContactKernel, q_0: &[f64], q_1: &[f64], test: Configuration) -> Evaluation {
-        let pressing = evaluated(kernel, Derivative::DiscreteGradient, q_1, &vec![1.0; kernel.rows()]);
+        let normal = evaluated(kernel, Derivative::DiscreteGradient, q_1, &vec![1.0; kernel.rows()]);
         let (moved, mut out) = (difference(q_1, q_0), Evaluation::default());
-        kernel.evaluate_slips(SlipStep { q_0, q_1, moved: &moved, test, live: &pressing.live }, &shears(2 * kernel.rows()), &mut out);
+        kernel.evaluate_slips(SlipStep { q_0, q_1, moved: &moved, test, live: &normal.live }, &shears(2 * kernel.rows()), &mut out);
         out = out.with_room(kernel.slip_patches());
         out
     }

@@ -47,7 +47,7 @@ pub fn diagonals<T: Number>(nodes: &[Vec3<T>]) -> [Vec3<T>; 2] {
 }
 
 /// Axes of a facet: the first along the mean of the first side and the opposite one, the third along the normal.
-pub struct Frame<T> {
+pub struct FacetFrame<T> {
     /// Unit vectors.
     pub axes: [Vec3<T>; 3],
     /// Diagonals of a quadrilateral, or two sides of a triangle `[length]`.
@@ -56,7 +56,7 @@ pub struct Frame<T> {
     pub length: T,
 }
 
-impl<T: Number> Frame<T> {
+impl<T: Number> FacetFrame<T> {
     /// Frame of a facet with the given nodes; `None` for a facet without area.
     #[inline(always)]
     pub fn new(x: &[Vec3<T>]) -> Option<Self> {
@@ -71,7 +71,7 @@ impl<T: Number> Frame<T> {
         let side = if x.len() == 3 { diagonals[0] } else { sub(sub(x[1], x[0]), sub(x[3], x[2])) };
         let along = sub(side, scaled(normal, dot(side, normal)));
         let first = scaled(along, dot(along, along).sqrt().recip());
-        Some(Frame { axes: [first, cross(normal, first), normal], diagonals, length })
+        Some(FacetFrame { axes: [first, cross(normal, first), normal], diagonals, length })
     }
 }
 

@@ -3,7 +3,7 @@
 use std::ops::Mul;
 
 use super::profiles::{Form, Profile, turned};
-use super::vectors::{Frame, Vec3, cross, dot, scaled, sub};
+use super::vectors::{FacetFrame, Vec3, cross, dot, scaled, sub};
 use super::vertices::{CORNERS, NODES, PerTriangle};
 use crate::contact::numbers::Number;
 
@@ -15,7 +15,7 @@ pub struct View<T> {
     /// Numbers of nodes of the secondary and of the primary facet.
     pub counts: [usize; 2],
     /// Plane axes, normal, and diagonals of the secondary facet.
-    pub frame: Frame<T>,
+    pub frame: FacetFrame<T>,
     /// Positions relative to the mean point of the secondary facet.
     pub arms: [Vec3<T>; NODES],
     /// Plane coordinates of the points.
@@ -38,7 +38,7 @@ impl<T: Number> View<T> {
     #[inline(always)]
     pub fn new(x: &[Vec3<T>], counts: [usize; 2]) -> Option<Self> {
         let [own, other] = counts;
-        let frame = Frame::new(&x[..own])?;
+        let frame = FacetFrame::new(&x[..own])?;
         let zero = T::from(0.0);
         let mut middle = [zero; 3];
         for x in &x[..own] {
@@ -132,7 +132,7 @@ impl<T: Number> View<T> {
     /// Transforms derivatives with respect to plane coordinates and heights to the node positions.
     #[inline(always)]
     pub fn spread<R: Number + Mul<T, Output = R>>(&self, of_p: &[[R; 2]; POINTS], of_h: &[R; POINTS]) -> [Vec3<R>; NODES] {
-        let Frame { axes: [first, second, normal], diagonals: [c, d], length } = self.frame;
+        let FacetFrame { axes: [first, second, normal], diagonals: [c, d], length } = self.frame;
         let zero = R::from(0.0);
         let (mut gradient, mut moment) = ([[zero; 3]; NODES], [zero; 3]);
         for k in 0..self.counts[0] + self.counts[1] {

@@ -24,17 +24,17 @@ pub struct Depths {
 /// Contact whose sides may penetrate each other's bodies: two surfaces, or a surface and an obstacle's corners.
 struct Meeting {
     contact: usize,
-    first: Side,
+    first: BodySide,
     other: Other,
 }
 
-struct Side {
+struct BodySide {
     body: usize,
     surface: Surface,
 }
 
 enum Other {
-    Side(Side),
+    Side(BodySide),
     Itself,
     Corners { points: Vec<[f64; 2]>, motion: [Option<Amplitude>; 3], turn: Option<ObstacleRotation> },
 }
@@ -75,7 +75,7 @@ impl Depths {
         let facets = |on: &BodyBoundary| boundary_facets(model, on, firsts[on.body]);
         let side = |on: &[BodyBoundary], body: usize| {
             let own: Vec<BodyBoundary> = on.iter().filter(|on| on.body == body).cloned().collect();
-            Side { body, surface: Surface::new(&facets_of_all(&own, facets)) }
+            BodySide { body, surface: Surface::new(&facets_of_all(&own, facets)) }
         };
         let mut meetings = Vec::new();
         for (contact, interaction) in model.interactions.iter().enumerate() {
@@ -111,7 +111,7 @@ impl Depths {
     pub fn at(&self, q: &[f64], time: f64, counts: &dyn Fn(&Depth) -> bool) -> Vec<Depth> {
         let mut found: Vec<Depth> = Vec::new();
         for meeting in &self.meetings {
-            let deepest = |own: Option<usize>, points: Vec<Point>, side: &Side| {
+            let deepest = |own: Option<usize>, points: Vec<Point>, side: &BodySide| {
                 // Nodes of this body lie on its hull and have zero distance from it.
                 let asks_for_room = own != Some(side.body);
                 self.deepest(points, side, q, asks_for_room, meeting.contact, counts)
@@ -147,7 +147,7 @@ impl Depths {
     fn deepest(
         &self,
         points: Vec<Point>,
-        side: &Side,
+        side: &BodySide,
         q: &[f64],
         asks_for_room: bool,
         contact: usize,

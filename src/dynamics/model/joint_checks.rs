@@ -3,7 +3,7 @@
 use super::definitions::{BodyDefinition, Model};
 use super::error::ModelError;
 use super::joints::{Anchor, Coordinate, Gear, JointDefinition, JointKind};
-use crate::bodies::{Frame, Plane};
+use crate::bodies::{BarycentricMap, Plane};
 use crate::integrators::Scheme;
 use crate::math::digits::three_digits;
 use crate::math::norms::{largest_extent, length};
@@ -298,7 +298,7 @@ impl BodyDefinition {
         if self.mesh.dimension() == 3 && spread < -tolerances::JOINT_APART * moments[2] {
             return wrong(format!("of its principal moments of inertia {moments:?} the largest exceeds the sum of the others"));
         }
-        if Frame::new(&self.mesh).is_none() {
+        if BarycentricMap::new(&self.mesh).is_none() {
             return wrong("its nodes lie on a line or in a plane".into());
         }
         Ok(())

@@ -154,7 +154,7 @@ pub trait Part: Send {
     ///
     /// # Errors
     /// A time function failed, or was interrupted: the step is not taken.
-    fn remembered(&self, _at: &Iterate, memory: &[f64]) -> Result<PartStepResult, StepError> {
+    fn after_step(&self, _at: &Iterate, memory: &[f64]) -> Result<PartStepResult, StepError> {
         Ok(PartStepResult { memory: memory.to_vec(), ..PartStepResult::default() })
     }
 }
@@ -184,9 +184,9 @@ pub struct PartDissipation {
 
 impl PartDissipation {
     /// Appends the dissipation of the next part.
-    pub fn push(&mut self, remembered: &PartStepResult) {
-        self.all.push(remembered.dissipated);
-        self.plastic.push(remembered.plastic);
+    pub fn push(&mut self, result: &PartStepResult) {
+        self.all.push(result.dissipated);
+        self.plastic.push(result.plastic);
     }
 }
 

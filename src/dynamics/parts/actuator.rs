@@ -77,7 +77,7 @@ impl Part for Actuator {
         vec![0.0; 2]
     }
 
-    fn remembered(&self, at: &Iterate, _memory: &[f64]) -> Result<PartStepResult, StepError> {
+    fn after_step(&self, at: &Iterate, _memory: &[f64]) -> Result<PartStepResult, StepError> {
         let force = value_of(&self.name, &self.force, at.time)?;
         Ok(PartStepResult { memory: vec![force, self.line.work_apart(force, at)], ..PartStepResult::default() })
     }

@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::sync::OnceLock;
 
-use super::carried::RigidBody;
+use super::rigid_body::RigidBody;
 use crate::bodies::{Advance, BodyState, ElementLoop, Recovery, Step};
 use crate::dynamics::model::part::{Iterate, Part, PartStepResult, Pose, Refusal, Sums};
 use crate::dynamics::model::step_error::StepError;
@@ -23,7 +23,7 @@ pub struct Body<const D: usize> {
     pub elements: Box<dyn ElementLoop<D>>,
     /// Recovery of nodal values from values in the cells, computed on first use.
     pub recovery: OnceLock<Recovery>,
-    /// Masters and carried nodes of a rigid body; `None` for a deformable one.
+    /// Masters and dependent nodes of a rigid body; `None` for a deformable one.
     pub rigid: Option<RigidBody>,
 }
 
@@ -51,7 +51,7 @@ impl<const D: usize> Part for Body<D> {
         vec![0.0; self.elements.history()]
     }
 
-    fn remembered(&self, at: &Iterate, history: &[f64]) -> Result<PartStepResult, StepError> {
+    fn after_step(&self, at: &Iterate, history: &[f64]) -> Result<PartStepResult, StepError> {
         let Advance { history, plastic, viscous } = self.elements.advance(&step_of(at, history));
         Ok(PartStepResult { memory: history, dissipated: plastic + viscous, plastic })
     }

@@ -134,7 +134,7 @@ impl Part for Bolt {
         }
     }
 
-    fn remembered(&self, at: &Iterate, memory: &[f64]) -> Result<PartStepResult, StepError> {
+    fn after_step(&self, at: &Iterate, memory: &[f64]) -> Result<PartStepResult, StepError> {
         let memory = if self.law.is_tightened(at.time) {
             let tension = self.law.tension(at.time);
             vec![self.line.vector(at.q_1).1, tension, 0.0, self.line.work_apart(-tension, at)]

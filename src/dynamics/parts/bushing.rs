@@ -106,7 +106,7 @@ impl PartDefinition for BushingDefinition {
 
     fn part(&self, numbering: &Numbering) -> Box<dyn Part> {
         let (d, count) = (numbering.dimension, self.motions());
-        let sides = self.bodies.each_ref().map(|body| Side::new(body.as_ref(), numbering));
+        let sides = self.bodies.each_ref().map(|body| BushingEnd::new(body.as_ref(), numbering));
         let [b, a] = &sides;
         let axes = &self.axes[..d];
         let mut vectors = vec![b.point(self.point).minus(&a.point(self.point))];
@@ -155,14 +155,14 @@ impl PartDefinition for BushingDefinition {
 }
 
 /// One side of a bushing: a body given by its masters at rest, or the ground.
-struct Side {
+struct BushingEnd {
     masters: Vec<u32>,
     origin: Vector3<f64>,
     /// Inverse of the edges from the first master to the others, which gives the coefficients of a vector.
     inverse: Matrix3<f64>,
 }
 
-impl Side {
+impl BushingEnd {
     fn new(body: Option<&(usize, Vec<u32>)>, numbering: &Numbering) -> Self {
         let masters: Vec<u32> =
             body.map_or(Vec::new(), |(body, masters)| masters.iter().map(|node| numbering.first[*body] as u32 + node).collect());
@@ -171,7 +171,7 @@ impl Side {
         let origin = masters.first().map_or(Vector3::zeros(), |&node| at(node));
         let mut edges = Matrix3::identity();
         masters.iter().skip(1).enumerate().for_each(|(k, &node)| edges.set_column(k, &(at(node) - origin)));
-        Side { masters, origin, inverse: edges.try_inverse().unwrap_or_else(Matrix3::identity) }
+        BushingEnd { masters, origin, inverse: edges.try_inverse().unwrap_or_else(Matrix3::identity) }
     }
 
     /// Vector that rotates with the body.
@@ -345,7 +345,7 @@ impl Part for Bushing {
         vec![displacement, angle, force, moment, self.energy(at, memory)]
     }
 
-    fn remembered(&self, at: &Iterate, _memory: &[f64]) -> Result<PartStepResult, StepError> {
+    fn after_step(&self, at: &Iterate, _memory: &[f64]) -> Result<PartStepResult, StepError> {
         Ok(PartStepResult { dissipated: at.dt * self.response(at, false).power, ..PartStepResult::default() })
     }
 }

@@ -28,7 +28,7 @@ pub enum PairKind {
     Obstacle,
     /// Two tied surfaces, without contact.
     Tie,
-    /// Masters and carried nodes of a rigid body.
+    /// Masters and dependent nodes of a rigid body.
     Rigidity,
     /// Constraints of a joint.
     Joint,
@@ -260,15 +260,15 @@ impl ContactPair {
 
     /// Index of each tangential constraint, with that of its normal constraint.
     pub fn tangential(&self) -> impl Iterator<Item = (usize, usize)> {
-        let of = |friction: &FrictionRows, row: usize| (row, self.rows.start + friction.pressing(row));
+        let of = |friction: &FrictionRows, row: usize| (row, self.rows.start + friction.normal_row(row));
         self.friction.iter().flat_map(move |friction| friction.rows.clone().map(move |row| of(friction, row)))
     }
 
     /// Normal constraints and tangential constraints of the pair at an iterate, as two blocks.
-    pub fn blocks<'a>(&'a self, [pressing, slip]: [&'a Evaluation; 2]) -> impl Iterator<Item = RowBlock<'a>> {
+    pub fn blocks<'a>(&'a self, [normal, slip]: [&'a Evaluation; 2]) -> impl Iterator<Item = RowBlock<'a>> {
         let places = &self.places;
         let own =
-            RowBlock { pair: self, rows: self.rows.clone(), patches: self.kernel.patches(), evaluation: pressing, places: &places.rows };
+            RowBlock { pair: self, rows: self.rows.clone(), patches: self.kernel.patches(), evaluation: normal, places: &places.rows };
         let tangential = self.friction.iter().map(move |friction| RowBlock {
             pair: self,
             rows: friction.rows.clone(),
@@ -320,7 +320,7 @@ impl ContactPair {
         self.reaction.iter_mut().for_each(|reaction| reaction.place(pattern, nodes, self.rows.start));
         if let Some(friction) = &mut self.friction {
             let block = |row: usize, column: usize| pattern.block((nodes + row) as u32, (nodes + column) as u32);
-            friction.couplings = friction.rows.clone().map(|slip| block(slip, self.rows.start + friction.pressing(slip))).collect();
+            friction.couplings = friction.rows.clone().map(|slip| block(slip, self.rows.start + friction.normal_row(slip))).collect();
             friction.partners = friction.pairs().map(|[slip, other]| block(slip, other)).collect();
         }
     }
@@ -355,7 +355,7 @@ impl ContactPair {
     /// Secondary node that owns a constraint of the model; `None` if no node owns it.
     pub fn node_of(&self, row: usize) -> Option<u32> {
         let tangential = self.friction.as_ref().filter(|friction| row >= friction.rows.start && !self.rows.contains(&row));
-        let local = tangential.map_or_else(|| row - self.rows.start, |friction| friction.pressing(row));
+        let local = tangential.map_or_else(|| row - self.rows.start, |friction| friction.normal_row(row));
         self.kernel.row_nodes().get(local / self.kernel.rows_per_node()).copied()
     }
 }

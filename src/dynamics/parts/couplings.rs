@@ -9,9 +9,9 @@ use std::sync::Arc;
 use nalgebra::{Rotation3, Vector3};
 
 use super::body::Body;
-use super::carried::RigidBody;
 use super::contact_pair::{ContactPair, CoupledNodes, PairKind};
 use super::joint_ends::node_vector;
+use super::rigid_body::RigidBody;
 use crate::bodies::{Inertia, nodal_areas};
 use crate::contact::{ContactKernel, PointConstraints, PointFunction, PointVector};
 use crate::dynamics::model::amplitude::Amplitude;

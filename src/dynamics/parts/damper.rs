@@ -102,7 +102,7 @@ impl Part for Damper {
         vec![speed, self.law.force(speed).0]
     }
 
-    fn remembered(&self, at: &Iterate, _memory: &[f64]) -> Result<PartStepResult, StepError> {
+    fn after_step(&self, at: &Iterate, _memory: &[f64]) -> Result<PartStepResult, StepError> {
         let power = self.stroke(at.q_test, at.velocity).map_or(0.0, |stroke| stroke.speed * self.law.force(stroke.speed).0);
         Ok(PartStepResult { dissipated: at.dt * power, ..PartStepResult::default() })
     }

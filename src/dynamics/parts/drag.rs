@@ -137,7 +137,7 @@ impl Part for NodeDrag {
         true
     }
 
-    fn remembered(&self, at: &Iterate, _memory: &[f64]) -> Result<PartStepResult, StepError> {
+    fn after_step(&self, at: &Iterate, _memory: &[f64]) -> Result<PartStepResult, StepError> {
         let power = |&(node, share): &(u32, f64)| {
             let speed = self.velocity(node, at.velocity).1;
             share * speed * self.law.force(speed).0
@@ -181,7 +181,7 @@ impl Part for MassDrag {
         true
     }
 
-    fn remembered(&self, at: &Iterate, _memory: &[f64]) -> Result<PartStepResult, StepError> {
+    fn after_step(&self, at: &Iterate, _memory: &[f64]) -> Result<PartStepResult, StepError> {
         let mut square = 0.0;
         self.mass.visit(self.dimension, at.velocity, |unknown, momentum| square += at.velocity[unknown] * momentum);
         Ok(PartStepResult { dissipated: at.dt * self.rate * square, ..PartStepResult::default() })

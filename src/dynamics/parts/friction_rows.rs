@@ -58,7 +58,7 @@ impl FrictionRows {
 
     /// Other tangential constraints of the group of `row`, from the next one on and around.
     pub fn others(&self, row: usize) -> impl Iterator<Item = usize> + use<> {
-        let (group, count) = (self.group(self.pressing(row)), self.tangents);
+        let (group, count) = (self.group(self.normal_row(row)), self.tangents);
         (1..count).map(move |by| group.start + (row - group.start + by) % count)
     }
 
@@ -68,7 +68,7 @@ impl FrictionRows {
     }
 
     /// Index in the pair of the normal constraint of the tangential constraint `row`.
-    pub fn pressing(&self, row: usize) -> usize {
+    pub fn normal_row(&self, row: usize) -> usize {
         (row - self.rows.start) / self.tangents
     }
 

@@ -34,6 +34,6 @@ pub(super) fn linearized(
     let (mut internal, mut load, mut values) = (vec![0.0; q_0.len()], vec![0.0; q_0.len()], vec![0.0; pattern.values()]);
     let mut sums = Sums { internal: &mut internal, load: &mut load, tangent: Some(&mut values), workers: &Workers::new(1) };
     assert!(part.linearize(&at, &[], &mut sums).is_ok());
-    let heat = part.remembered(&at, &[]).unwrap().dissipated;
+    let heat = part.after_step(&at, &[]).unwrap().dissipated;
     (internal, values, heat)
 }

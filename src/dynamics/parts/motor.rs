@@ -212,7 +212,7 @@ impl Part for Motor {
         vec![0.0; 2]
     }
 
-    fn remembered(&self, at: &Iterate, _memory: &[f64]) -> Result<PartStepResult, StepError> {
+    fn after_step(&self, at: &Iterate, _memory: &[f64]) -> Result<PartStepResult, StepError> {
         let torque = value_of(&self.name, &self.torque, at.time)?;
         let d = self.dimension;
         let moved = |node: u32, i: usize| at.q_1[node as usize * d + i] - at.q_0[node as usize * d + i];

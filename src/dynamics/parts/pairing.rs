@@ -3,7 +3,7 @@
 use super::contact_pair::{ContactPair, CornersOf, PairKind};
 use super::laws::Bilateral;
 use super::round_contacts::RoundContacts;
-use crate::bodies::Frame;
+use crate::bodies::BarycentricMap;
 use crate::contact::{
     ContactKernel, CornersInSpace, ExactShape, FacetShape, NodeToSegment, Obstacle, ObstacleInSpace, ProxyNodes, ProxySurfacesInSpace,
     RigidContact, RigidCorners, RigidInSpace, RoundInSpace, RowsOf, Surface, Tie, rolling_contact, round_contact,
@@ -230,7 +230,7 @@ impl Pairing<'_> {
         }
         let Partner::Obstacle { shape, motion, turn } = &interaction.partner else { return None };
         let mesh = &self.model.bodies[body].mesh;
-        let frame = Frame::new(mesh).filter(|_| !parts.is_empty())?;
+        let frame = BarycentricMap::new(mesh).filter(|_| !parts.is_empty())?;
         let first = (self.first)(body) as u32;
         let shares_of = |point| frame.masters.iter().map(|node| node + first).zip(frame.shares(point)).collect();
         let kernel = rolling_contact(self.round.surface(&interaction.secondary), parts, shape, &shares_of, self.reference);

@@ -1,4 +1,4 @@
-//! Rigid bodies and joints in global node numbers: carried nodes, and constraints between points.
+//! Rigid bodies and joints in global node numbers: dependent nodes, and constraints between points.
 //!
 //! All mesh nodes of a rigid body are numbered, so that boundaries, loads, contacts, probes and pictures refer to them as to others. Its
 //! *masters* have its mass; the distances between them are constant. Nodes with loads, contacts, supports or springs are unknowns with a
@@ -8,12 +8,12 @@
 use std::collections::BTreeSet;
 
 use super::body::Body;
-use super::carried::RigidBody;
 use super::contact_pair::{ContactPair, PairKind};
 use super::free_motion::{FreeMotion, geared};
 use super::joint_ends::{End, across, node_vector};
 use super::joint_reaction::JointReaction;
 use super::laws::Unilateral;
+use super::rigid_body::RigidBody;
 use super::round_contacts::RoundContacts;
 use crate::contact::{BallSlip, ContactKernel, JointSlip, PointConstraints, PointFunction, PointVector};
 use crate::dynamics::model::boundaries::inner_nodes;
@@ -152,10 +152,10 @@ fn rigidity<const D: usize>(rigid: &RigidBody, reference: &[f64]) -> PointConstr
 /// Constraints that tie the loaded nodes of a rigid body to its masters.
 fn ties<const D: usize>(rigid: &RigidBody) -> PointConstraints {
     let mut kernel = PointConstraints::new(D, rigid.size);
-    for (index, (node, shares)) in rigid.carried.iter().enumerate() {
+    for (index, (node, shares)) in rigid.dependents.iter().enumerate() {
         if rigid.followers.binary_search(&index).is_err() {
-            let carried = PointVector { parts: rigid.masters.iter().copied().zip(shares.iter().copied()).collect(), offset: [0.0; 3] };
-            kernel.add(vec![node_vector(*node).minus(&carried)], components(D), Some(*node), false);
+            let dependents = PointVector { parts: rigid.masters.iter().copied().zip(shares.iter().copied()).collect(), offset: [0.0; 3] };
+            kernel.add(vec![node_vector(*node).minus(&dependents)], components(D), Some(*node), false);
         }
     }
     kernel

@@ -1,6 +1,6 @@
 //! Contacts of rigid bodies that touch as circles or spheres, not by their nodes: round parts on obstacles, and round bodies.
 
-use crate::bodies::Frame;
+use crate::bodies::BarycentricMap;
 use crate::contact::{Curvature, FacetShape, RoundBody, RoundPart, Surface, round_parts, whole_circle};
 use crate::dynamics::model::boundaries::{boundary_faces, boundary_facets};
 use crate::dynamics::model::definitions::Model;
@@ -54,7 +54,7 @@ impl RoundContacts<'_> {
         }
         let round = |on: &BodyBoundary| {
             let (part, curvature) = whole_circle(&self.surface(on), self.reference)?;
-            let frame = Frame::new(&self.model.bodies[on.body].mesh)?;
+            let frame = BarycentricMap::new(&self.model.bodies[on.body].mesh)?;
             let first = (self.first)(on.body) as u32;
             let masters = frame.masters.iter().map(|node| node + first).zip(frame.shares(part.center.into())).collect();
             Some(RoundBody { part, curvature, masters })

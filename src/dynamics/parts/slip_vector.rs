@@ -175,7 +175,7 @@ impl<const N: usize> SlipVector<'_, N> {
         let weakening = if slides { by_speed.max(-c) } else { 0.0 };
         let gradient = matrix(along + by * ((1.0 - along) * film + weakening), across + by * (1.0 - across) * film);
         let diagonal = matrix(by * (1.0 - along) + compliance * along, by * (1.0 - across) + compliance * across);
-        let pressing = if slides { scale_along * by * by_pressure } else { 0.0 };
+        let by_normal = if slides { scale_along * by * by_pressure } else { 0.0 };
         let missed = plus(value, -1.0, self.dry());
         let scaled = plus(missed.map(|x| scale_across * x), (scale_along - scale_across) * dot(missed, e), e);
         std::array::from_fn(|i| {
@@ -183,12 +183,12 @@ impl<const N: usize> SlipVector<'_, N> {
                 let j = (i + by) % N;
                 if by < N { [gradient[i][j], diagonal[i][j]] } else { [0.0; 2] }
             };
-            let right = by * scaled[i] + dot(diagonal[i], self.lambda) - pressing * normal * e[i];
+            let right = by * scaled[i] + dot(diagonal[i], self.lambda) - by_normal * normal * e[i];
             Equation {
                 acts: true,
                 gradient: gradient[i][i],
                 diagonal: diagonal[i][i],
-                normal: -pressing * self.pressed.sense * e[i],
+                normal: -by_normal * self.pressed.sense * e[i],
                 beside: [beside(1), beside(2)],
                 right,
                 compliance,

@@ -257,7 +257,7 @@ impl Part for Torsion {
         vec![0.0]
     }
 
-    fn remembered(&self, at: &Iterate, memory: &[f64]) -> Result<PartStepResult, StepError> {
+    fn after_step(&self, at: &Iterate, memory: &[f64]) -> Result<PartStepResult, StepError> {
         let (x_0, x_1) = (self.own(at.q_0), self.own(at.q_1));
         let end = self.angle(&x_0, memory[0]) + self.turned(&x_0, &x_1);
         Ok(PartStepResult { memory: vec![self.angle(&x_1, end)], ..PartStepResult::default() })
@@ -296,7 +296,7 @@ mod tests {
             q_1[0] += 0.01;
             let forces = |q_1: &[f64]| {
                 let at = Iterate::between(Derivative::DiscreteGradient, q_0, q_1);
-                (torsion.forces(&at, 6.2), torsion.remembered(&at, &[6.2]).unwrap().memory)
+                (torsion.forces(&at, 6.2), torsion.after_step(&at, &[6.2]).unwrap().memory)
             };
             let ((force, slope), memory) = forces(&q_1);
             let work: f64 = force.iter().zip(q_1.iter().zip(q_0)).map(|(f, (b, a))| f * (b - a)).sum();

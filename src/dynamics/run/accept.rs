@@ -18,7 +18,7 @@ use crate::dynamics::parts::nodal::{add_force, add_moment, half_product};
 use crate::dynamics::step::conditions::Conditions;
 use crate::dynamics::step::iterate::{Forces, Linearization};
 use crate::dynamics::step::newton::Solution;
-use crate::dynamics::step::scheme_memory::SchemeMemory;
+use crate::dynamics::step::scheme_history::SchemeHistory;
 use crate::dynamics::step::start::{Motion, StepStart};
 use crate::integrators::History;
 
@@ -98,7 +98,7 @@ where
         let penalty_gap = penalty_gaps(&at, conditions);
         let mut v_1 = motion.velocities(&at.moved, &system.supports.prescribed);
         let mut outside = self.outside(start, motion, &at, &lambda, &v_1)?;
-        let remembered = self.remembered(start, motion, &at, &v_1, &outside.own);
+        let scheme_history = self.scheme_history_after(start, motion, &at, &v_1, &outside.own);
         outside.add_jump(jump.as_ref(), &mut v_1);
         system.lead(&mut v_1);
         let (momenta, old) = (system.nodes.momenta_of(&v_1), &self.state.row);
@@ -130,7 +130,7 @@ where
         row.energy_defect = row.total() - old.total() - row.load_work - row.contact_work - row.friction_work + row.dissipation;
         self.book_momentum_defects(&mut row, start, &at, &outside, jump.as_ref());
         let mut slipped = slipped(system, &self.state.slipped, &at, 0.0, (&lambda, &active));
-        jump.iter().for_each(|jump| add_heat(&mut slipped, &jump.friction[system.pressing..]));
+        jump.iter().for_each(|jump| add_heat(&mut slipped, &jump.friction[system.normal_count..]));
         let touching = EvaluatedContacts { evaluations: &at.pairs, slips: &at.slips, lambda: &lambda, active: &touched, slipped: &slipped };
         self.book_contacts(&mut row, &at.q_1, &touching, jump.as_ref(), &frictional);
         row.reactions = self.reactions_after(start, &at, &lambda, jump.as_ref())?;
@@ -149,14 +149,14 @@ where
             reserve,
             active,
             slipped,
-            remembered,
+            scheme_history,
             memory,
             clock: self.state.clock,
             search,
             level: self.state.level,
             pace: self.state.pace.clone(),
             preferred,
-            carried: self.state.carried,
+            slips_until: self.state.slips_until,
             loads_ended: if outside.pushes() { start.time + dt } else { self.state.loads_ended },
         };
         self.system.recycle(at);
@@ -199,8 +199,8 @@ where
         frictional: &[f64],
     ) {
         let pressed = |jump: &VelocityCorrection| touching.lambda.iter().zip(&jump.lambda).map(|(lambda, jump)| lambda + jump).collect();
-        let pressing: Option<Vec<f64>> = jump.map(pressed);
-        let touching = EvaluatedContacts { lambda: pressing.as_deref().unwrap_or(touching.lambda), ..*touching };
+        let normal: Option<Vec<f64>> = jump.map(pressed);
+        let touching = EvaluatedContacts { lambda: normal.as_deref().unwrap_or(touching.lambda), ..*touching };
         row.contacts = self.contact_totals(q, &touching);
         row.contacts.iter_mut().zip(frictional).for_each(|(contact, work)| contact.friction_work = *work);
         row.max_penetration = row.contacts.iter().map(|contact| contact.penetration).fold(0.0, f64::max);
@@ -213,30 +213,30 @@ where
     }
 
     /// History variables of the time integrator after this step; unchanged for a scheme without any.
-    fn remembered(
+    fn scheme_history_after(
         &self,
         start: &StepStart,
         motion: &Motion,
         at: &Linearization,
         v_1: &[f64],
         outside: &[Vec<f64>; 2],
-    ) -> Arc<SchemeMemory> {
-        let (scheme, before) = (motion.scheme, motion.remembered);
+    ) -> Arc<SchemeHistory> {
+        let (scheme, before) = (motion.scheme, motion.scheme_history);
         if scheme.remembers.is_empty() {
-            return self.state.remembered.clone();
+            return self.state.scheme_history.clone();
         }
-        let mut remembered = SchemeMemory { of: before.of.clone(), dt: motion.dt, ..SchemeMemory::default() };
+        let mut scheme_history = SchemeHistory { of: before.of.clone(), dt: motion.dt, ..SchemeHistory::default() };
         if scheme.remembers(History::Force) {
             let mut own = self.own_forces(motion, &at.forces, v_1);
             self.system.alone_into(start, at, &mut own);
-            remembered.force = before.force.after(scheme, &own);
+            scheme_history.force = before.force.after(scheme, &own);
         }
         if scheme.remembers(History::Acceleration) {
-            remembered.acceleration = motion.accelerations_after(&at.moved);
+            scheme_history.acceleration = motion.accelerations_after(&at.moved);
         }
         let lagging = before.outside.iter().zip(outside).map(|(before, own)| before.after(scheme, own));
-        remembered.outside.iter_mut().zip(lagging).for_each(|(slot, lagging)| *slot = lagging);
-        Arc::new(remembered)
+        scheme_history.outside.iter_mut().zip(lagging).for_each(|(slot, lagging)| *slot = lagging);
+        Arc::new(scheme_history)
     }
 
     /// Part of the static forces of this step, including contact: the residual is the sum of inertia, this part and the force history.
@@ -245,7 +245,7 @@ where
         let rate: Vec<f64> = v_1.iter().zip(v_0).map(|(v_1, v_0)| (v_1 - v_0) / dt).collect();
         let inertia = self.system.nodes.momenta_of(&rate);
         let own = (0..v_1.len()).zip(motion.remembered_force());
-        own.map(|(k, remembered)| forces.without_contact[k] - forces.contact[k] - inertia[k] - remembered).collect()
+        own.map(|(k, scheme_history)| forces.without_contact[k] - forces.contact[k] - inertia[k] - scheme_history).collect()
     }
 
     /// External forces in a step, with the weights that the time integrator gives to start and end.
@@ -299,7 +299,7 @@ where
         let (prescribed_work, slip_moment) =
             if system.supports.prescribed.is_empty() { Default::default() } else { self.prescribed_work(motion, at, v_1) };
         if remembers {
-            for (force, lagging) in [&mut load, &mut obstacles].into_iter().zip(&motion.remembered.outside) {
+            for (force, lagging) in [&mut load, &mut obstacles].into_iter().zip(&motion.scheme_history.outside) {
                 force.iter_mut().zip(&lagging.left).for_each(|(force, left)| *force += scheme.lag.used * left);
             }
         }

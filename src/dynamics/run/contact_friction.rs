@@ -5,7 +5,7 @@
 //! Coulomb's law, it is coefficient times pressure. In space, stress and slip are the norms of their two components.
 
 use super::fields::NodeState;
-use super::loaded::{ContactForces, Loaded};
+use super::loaded::{ContactForces, LoadedContact};
 use super::slip_memory::{SlipMemory, Tangential, size};
 use crate::contact::SlipState;
 use crate::dynamics::parts::contact_pair::{ContactPair, PairKind};
@@ -13,13 +13,13 @@ use crate::dynamics::parts::laws::RowState;
 use crate::math::tolerances;
 
 /// Adds friction forces to the forces of a contact and of its corners.
-pub fn add_friction<const D: usize>(contact: Loaded, corners: &[Loaded], forces: &mut ContactForces) {
+pub fn add_friction<const D: usize>(contact: LoadedContact, corners: &[LoadedContact], forces: &mut ContactForces) {
     let secondary = contact.pair.kernel.secondary();
     let (with_itself, count) = (secondary == contact.pair.kernel.primary(), secondary.nodes().len());
-    (forces.friction, forces.pulled) = (vec![[0.0; 3]; count], vec![0.0; count]);
-    let ContactForces { friction, all, pulled, pressed, .. } = forces;
+    (forces.friction, forces.corner_shears) = (vec![[0.0; 3]; count], vec![0.0; count]);
+    let ContactForces { friction, all, corner_shears, corner_forces, .. } = forces;
     if let Some(Tangential { lambda, .. }) = contact.tangential {
-        contact.for_each_pull::<D>(lambda, |node, own, _, force| {
+        contact.for_each_shear::<D>(lambda, |node, own, _, force| {
             all.push((node, force));
             if own && let Some(index) = secondary.index(node) {
                 (0..D).for_each(|i| friction[index][i] += force[i]);
@@ -29,14 +29,14 @@ pub fn add_friction<const D: usize>(contact: Loaded, corners: &[Loaded], forces:
     let (mut of_corners, mut largest) = (vec![[0.0; 3]; count], vec![0.0f64; count]);
     for corners in corners {
         let Some(tangential) = corners.tangential else { continue };
-        corners.for_each_shown_pull::<D>(tangential.lambda, |node, own, multiplier, force| {
+        corners.for_each_shown_shear::<D>(tangential.lambda, |node, own, multiplier, force| {
             all.push((node, force));
             if (!with_itself || own)
                 && let Some(index) = secondary.index(node)
             {
                 (0..D).for_each(|i| friction[index][i] += force[i]);
                 match D {
-                    2 => pulled[index] += multiplier.signum() * size(&force),
+                    2 => corner_shears[index] += multiplier.signum() * size(&force),
                     _ => (0..D).for_each(|i| of_corners[index][i] += force[i]),
                 }
             }
@@ -53,13 +53,13 @@ pub fn add_friction<const D: usize>(contact: Loaded, corners: &[Loaded], forces:
         }
     }
     if D == 3 {
-        pulled.iter_mut().zip(&of_corners).for_each(|(pulled, force)| *pulled = size(force));
+        corner_shears.iter_mut().zip(&of_corners).for_each(|(corner_shears, force)| *corner_shears = size(force));
     }
     // Shear forces of several corner constraints add up even if their normal forces have different directions, and act at mid-step: their
     // sum is limited by the normal forces at the end.
-    for ((pulled, pressed), largest) in pulled.iter_mut().zip(pressed).zip(largest) {
-        let most = largest * *pressed;
-        *pulled = pulled.clamp(-most, most);
+    for ((shear, force), largest) in corner_shears.iter_mut().zip(corner_forces).zip(largest) {
+        let most = largest * *force;
+        *shear = shear.clamp(-most, most);
     }
 }
 
@@ -69,8 +69,8 @@ fn bearing(pair: &ContactPair, pressure: f64) -> f64 {
 }
 
 /// Frictional shear stress at each secondary node, corners included, for the given nodal pressures and areas.
-pub fn shears(contact: Loaded, forces: &ContactForces, q: &[f64], [pressures, areas]: [&[f64]; 2]) -> Vec<f64> {
-    let Loaded { pair, lambda, tangential, .. } = contact;
+pub fn shears(contact: LoadedContact, forces: &ContactForces, q: &[f64], [pressures, areas]: [&[f64]; 2]) -> Vec<f64> {
+    let LoadedContact { pair, lambda, tangential, .. } = contact;
     let (Some(tangential), Some(friction)) = (tangential, &pair.friction) else { return vec![0.0; forces.own.len()] };
     let (stride, nodes) = (pair.kernel.rows_per_node(), pair.kernel.secondary().nodes());
     let multipliers = tangential.multipliers();
@@ -81,7 +81,7 @@ pub fn shears(contact: Loaded, forces: &ContactForces, q: &[f64], [pressures, ar
         let rows = index * stride..(index + 1) * stride;
         let around = pair.circumference(nodes[index], q);
         let (shear, normal) = (size(&multipliers[rows.clone()]), size(&lambda[rows.clone()]));
-        let corners = forces.pulled.get(index).map_or(0.0, |pulled| pulled / areas[index]);
+        let corners = forces.corner_shears.get(index).map_or(0.0, |corner_shears| corner_shears / areas[index]);
         if shear == 0.0 || around <= 0.0 {
             return corners;
         }
@@ -92,7 +92,7 @@ pub fn shears(contact: Loaded, forces: &ContactForces, q: &[f64], [pressures, ar
 }
 
 /// State of each secondary node, and the number of sliding corners of the primary side.
-pub fn states(contact: Loaded, corners: &[Loaded], active: &[bool]) -> (Vec<NodeState>, usize) {
+pub fn states(contact: LoadedContact, corners: &[LoadedContact], active: &[bool]) -> (Vec<NodeState>, usize) {
     let pressed = if is_held(contact) { NodeState::Stick } else { NodeState::Slip };
     let mut states: Vec<NodeState> = active.iter().map(|&active| if active { pressed } else { NodeState::Open }).collect();
     let slides = |state: &RowState| state.slides();
@@ -114,12 +114,12 @@ pub fn states(contact: Loaded, corners: &[Loaded], active: &[bool]) -> (Vec<Node
 }
 
 /// True for contacts with friction and for ties, which resist sliding.
-fn is_held(contact: Loaded) -> bool {
+fn is_held(contact: LoadedContact) -> bool {
     contact.tangential.is_some() || contact.pair.kind == PairKind::Tie
 }
 
 /// True for each corner constraint that slips: its shear stress equals the limit up to round-off.
-fn sliding_rows(corners: &Loaded, tangential: &Tangential) -> Vec<bool> {
+fn sliding_rows(corners: &LoadedContact, tangential: &Tangential) -> Vec<bool> {
     let Some(friction) = &corners.pair.friction else { return Vec::new() };
     let groups = tangential.active.iter().step_by(tangential.count).zip(tangential.lambda.chunks_exact(tangential.count));
     let slides = |(row, (state, shear)): (usize, (&RowState, &[f64]))| {
@@ -132,7 +132,7 @@ fn sliding_rows(corners: &Loaded, tangential: &Tangential) -> Vec<bool> {
 }
 
 /// Marks as active the secondary nodes loaded by facet and edge constraints that have no node of their own.
-pub fn mark_between(contact: Loaded, corners: &[Loaded], active: &mut [bool], states: &mut [NodeState]) {
+pub fn mark_between(contact: LoadedContact, corners: &[LoadedContact], active: &mut [bool], states: &mut [NodeState]) {
     for corners in corners {
         let slides: Vec<bool> = corners.tangential.iter().flat_map(|of| sliding_rows(corners, of)).collect();
         for (row, nodes) in rows_between(contact, corners).into_iter().enumerate() {
@@ -151,13 +151,13 @@ pub fn mark_between(contact: Loaded, corners: &[Loaded], active: &mut [bool], st
 }
 
 /// Secondary node that owns the constraints of a corner; `None` if there is none.
-pub fn corner_node(contact: Loaded, corners: &Loaded, index: usize) -> Option<usize> {
+pub fn corner_node(contact: LoadedContact, corners: &LoadedContact, index: usize) -> Option<usize> {
     corners.pair.kernel.row_nodes().get(index).and_then(|&node| contact.pair.kernel.secondary().index(node))
 }
 
 /// Loaded secondary nodes, with their shares of the force, of each corner constraint without a node of its own; equal shares of its first
 /// contact element while inactive.
-fn rows_between(contact: Loaded, corners: &Loaded) -> Vec<Vec<(usize, f64)>> {
+fn rows_between(contact: LoadedContact, corners: &LoadedContact) -> Vec<Vec<(usize, f64)>> {
     let (pair, secondary) = (corners.pair, contact.pair.kernel.secondary());
     let (patches, stride) = (pair.kernel.patches(), pair.kernel.rows_per_node());
     let mut nodes = vec![Vec::new(); corners.active.len()];
@@ -198,7 +198,7 @@ fn pressed_nodes(nodes: &[(usize, f64)]) -> impl Iterator<Item = usize> {
 }
 
 /// Accumulated slip, slip path and frictional heat of the secondary nodes: of several constraints the longest slips and the sum of heat.
-pub fn slipped(contact: Loaded, corners: &[Loaded]) -> Vec<SlipMemory> {
+pub fn slipped(contact: LoadedContact, corners: &[LoadedContact]) -> Vec<SlipMemory> {
     let mut nodes = vec![SlipMemory::default(); contact.pair.kernel.secondary().nodes().len()];
     if let Some(tangential) = contact.tangential {
         nodes.iter_mut().zip(tangential.memories()).for_each(|(node, own)| *node = own);

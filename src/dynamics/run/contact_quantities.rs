@@ -15,7 +15,7 @@
 use super::contact_friction::{add_friction, corner_node, mark_between, shears, slipped, states};
 use super::fields::{ContactFields, NodeState};
 use super::ledger::ContactTotals;
-use super::loaded::{ContactForces, Loaded};
+use super::loaded::{ContactForces, LoadedContact};
 use super::slip_memory::size;
 use crate::contact::Evaluation;
 use crate::dynamics::parts::contact_pair::{ContactPair, PairKind};
@@ -23,11 +23,11 @@ use crate::dynamics::parts::laws::RowState;
 use crate::math::tolerances;
 
 /// Forces of a contact and of its corners at the positions `q`.
-pub fn contact_forces<const D: usize>(contact: Loaded, corners: &[Loaded], q: &[f64]) -> ContactForces {
+pub fn contact_forces<const D: usize>(contact: LoadedContact, corners: &[LoadedContact], q: &[f64]) -> ContactForces {
     let secondary = contact.pair.kernel.secondary();
     let with_itself = secondary == contact.pair.kernel.primary();
     let count = secondary.nodes().len();
-    let mut forces = ContactForces { own: vec![[0.0; 3]; count], pressed: vec![0.0; count], ..ContactForces::default() };
+    let mut forces = ContactForces { own: vec![[0.0; 3]; count], corner_forces: vec![0.0; count], ..ContactForces::default() };
     contact.for_each_force::<D>(contact.lambda, |node, own, _, force| {
         forces.all.push((node, force));
         if own && let Some(index) = secondary.index(node) {
@@ -49,9 +49,9 @@ pub fn contact_forces<const D: usize>(contact: Loaded, corners: &[Loaded], q: &[
     }
     for (index, force) in more.iter().enumerate() {
         (0..D).for_each(|i| forces.own[index][i] += force[i]);
-        forces.pressed[index] = size(force);
+        forces.corner_forces[index] = size(force);
     }
-    forces.pressing = forces.all.len();
+    forces.normal_count = forces.all.len();
     if contact.tangential.is_some() || corners.iter().any(|corners| corners.tangential.is_some()) {
         add_friction::<D>(contact, corners, &mut forces);
     }
@@ -61,7 +61,7 @@ pub fn contact_forces<const D: usize>(contact: Loaded, corners: &[Loaded], q: &[
 /// Ratio of nodal contact forces to those of unit multipliers, projected on the latter; `for_each` visits the forces. Corners of six-node
 /// faces carry almost no force; their multipliers are used instead.
 fn means<const D: usize>(
-    contact: Loaded,
+    contact: LoadedContact,
     lambda: &[f64],
     forces: &[[f64; 3]],
     q: &[f64],
@@ -80,7 +80,7 @@ fn means<const D: usize>(
 
 /// Forces of unit multipliers on the secondary nodes; empty if no means are defined or `lambda` is empty.
 fn unit_forces<const D: usize>(
-    contact: Loaded,
+    contact: LoadedContact,
     lambda: &[f64],
     q: &[f64],
     for_each: impl FnOnce(&[f64], &mut dyn FnMut(u32, bool, f64, [f64; 3])),
@@ -100,7 +100,7 @@ fn unit_forces<const D: usize>(
 }
 
 /// Sums over a contact at a configuration.
-pub fn totals<const D: usize>(contact: Loaded, corners: &[Loaded], q: &[f64]) -> ContactTotals {
+pub fn totals<const D: usize>(contact: LoadedContact, corners: &[LoadedContact], q: &[f64]) -> ContactTotals {
     let forces = contact_forces::<D>(contact, corners, q);
     summed(contact, corners, &forces, q)
 }
@@ -132,8 +132,8 @@ fn is_on_axis(pair: &ContactPair, index: usize, q: &[f64]) -> bool {
 }
 
 /// True if a node on the axis touches the other side.
-fn touches_on_axis(contact: Loaded, index: usize, q: &[f64]) -> bool {
-    let Loaded { pair, evaluation, .. } = contact;
+fn touches_on_axis(contact: LoadedContact, index: usize, q: &[f64]) -> bool {
+    let LoadedContact { pair, evaluation, .. } = contact;
     let row = index * pair.kernel.rows_per_node();
     let covered = evaluation.coverage[row];
     is_on_axis(pair, index, q)
@@ -142,7 +142,7 @@ fn touches_on_axis(contact: Loaded, index: usize, q: &[f64]) -> bool {
 }
 
 /// Pressure of a node on the axis that touches the other side: extrapolated from the next two nodes as an even function of the radius.
-fn pressure_on_axis(contact: Loaded, index: usize, pressures: &[f64], q: &[f64]) -> f64 {
+fn pressure_on_axis(contact: LoadedContact, index: usize, pressures: &[f64], q: &[f64]) -> f64 {
     let secondary = contact.pair.kernel.secondary();
     let next = |index: usize, except: usize| {
         let ends = secondary.adjacent_facets(index).iter().flat_map(|&facet| secondary.local_facets()[facet as usize]);
@@ -161,7 +161,7 @@ fn pressure_on_axis(contact: Loaded, index: usize, pressures: &[f64], q: &[f64])
 
 /// Stress at each secondary node from one multiplier per constraint; `mean` is used at partly covered nodes, `more` is the corner force.
 /// Nodes on an axis of revolution get zero.
-fn at_nodes(contact: Loaded, [lambda, coverage]: [&[f64]; 2], [mean, more]: [&[f64]; 2], q: &[f64]) -> Vec<f64> {
+fn at_nodes(contact: LoadedContact, [lambda, coverage]: [&[f64]; 2], [mean, more]: [&[f64]; 2], q: &[f64]) -> Vec<f64> {
     let pair = contact.pair;
     let (kernel, secondary) = (&pair.kernel, pair.kernel.secondary());
     let (stride, weights, areas) = (kernel.rows_per_node(), kernel.weights(), areas(pair, q));
@@ -189,15 +189,15 @@ fn at_nodes(contact: Loaded, [lambda, coverage]: [&[f64]; 2], [mean, more]: [&[f
 }
 
 /// Pressure at each secondary node, without corner forces.
-fn own_pressures(contact: Loaded, forces: &ContactForces, q: &[f64]) -> Vec<f64> {
-    let Loaded { evaluation, lambda, .. } = contact;
+fn own_pressures(contact: LoadedContact, forces: &ContactForces, q: &[f64]) -> Vec<f64> {
+    let LoadedContact { evaluation, lambda, .. } = contact;
     at_nodes(contact, [lambda, &evaluation.coverage], [&forces.mean, &vec![0.0; forces.own.len()]], q)
 }
 
 /// Pressure at each secondary node, including forces of its corners.
-fn pressures(contact: Loaded, forces: &ContactForces, q: &[f64]) -> Vec<f64> {
-    let Loaded { pair, evaluation, lambda, .. } = contact;
-    let mut pressures = at_nodes(contact, [lambda, &evaluation.coverage], [&forces.mean, &forces.pressed], q);
+fn pressures(contact: LoadedContact, forces: &ContactForces, q: &[f64]) -> Vec<f64> {
+    let LoadedContact { pair, evaluation, lambda, .. } = contact;
+    let mut pressures = at_nodes(contact, [lambda, &evaluation.coverage], [&forces.mean, &forces.corner_forces], q);
     for index in (0..pressures.len()).filter(|&index| is_on_axis(pair, index, q)) {
         pressures[index] = pressure_on_axis(contact, index, &pressures, q);
     }
@@ -206,13 +206,13 @@ fn pressures(contact: Loaded, forces: &ContactForces, q: &[f64]) -> Vec<f64> {
 
 /// Nodal pressures as means over the covered area of each node. The multipliers of a consistent mortar method oscillate beside the edge of
 /// a contact, the forces do not.
-fn smoothed(contact: Loaded, forces: &ContactForces, pressures: &[f64], q: &[f64]) -> Vec<f64> {
+fn smoothed(contact: LoadedContact, forces: &ContactForces, pressures: &[f64], q: &[f64]) -> Vec<f64> {
     let kernel = &contact.pair.kernel;
     if kernel.is_nodal() || kernel.rows_per_node() > 1 {
         return pressures.to_vec();
     }
-    let of = |((mean, pressed), area): ((&f64, &f64), f64)| mean + if *pressed > 0.0 { pressed / area } else { 0.0 };
-    let mut means: Vec<f64> = forces.mean.iter().zip(&forces.pressed).zip(areas(contact.pair, q)).map(of).collect();
+    let of = |((mean, corner_forces), area): ((&f64, &f64), f64)| mean + if *corner_forces > 0.0 { corner_forces / area } else { 0.0 };
+    let mut means: Vec<f64> = forces.mean.iter().zip(&forces.corner_forces).zip(areas(contact.pair, q)).map(of).collect();
     for index in (0..means.len()).filter(|&index| is_on_axis(contact.pair, index, q)) {
         means[index] = pressure_on_axis(contact, index, &means, q);
     }
@@ -237,7 +237,7 @@ fn pulling(pair: &ContactPair, forces: &[[f64; 3]], q: &[f64]) -> Vec<bool> {
 }
 
 /// True for each secondary node in contact, and the number of active corners of the other side.
-fn active_nodes(contact: Loaded, corners: &[Loaded], q: &[f64]) -> (Vec<bool>, usize) {
+fn active_nodes(contact: LoadedContact, corners: &[LoadedContact], q: &[f64]) -> (Vec<bool>, usize) {
     let nodes = contact.active.chunks_exact(contact.pair.kernel.rows_per_node());
     let mut active: Vec<bool> = nodes.map(|rows| rows.contains(&RowState::Closed)).collect();
     if contact.pair.is_axisymmetric && active.contains(&true) {
@@ -258,18 +258,18 @@ fn active_nodes(contact: Loaded, corners: &[Loaded], q: &[f64]) -> (Vec<bool>, u
     (active, others)
 }
 
-fn summed(contact: Loaded, corners: &[Loaded], forces: &ContactForces, q: &[f64]) -> ContactTotals {
-    let Loaded { pair, evaluation: Evaluation { coverage, .. }, .. } = contact;
+fn summed(contact: LoadedContact, corners: &[LoadedContact], forces: &ContactForces, q: &[f64]) -> ContactTotals {
+    let LoadedContact { pair, evaluation: Evaluation { coverage, .. }, .. } = contact;
     let stride = pair.kernel.rows_per_node();
     let mut totals = ContactTotals::default();
     if pair.kind != PairKind::Tie {
         totals.penetration = corners.iter().map(|corners| corners.pair.kernel.deepest(q)).fold(pair.kernel.deepest(q), f64::max);
     }
-    let pulls = pulling(pair, &forces.own, q);
-    for (force, pulls) in forces.own.iter().zip(pulls) {
+    let shears_into = pulling(pair, &forces.own, q);
+    for (force, shears_into) in forces.own.iter().zip(shears_into) {
         (0..3).for_each(|i| totals.force[i] += force[i]);
         let size = force[0].hypot(force[1]).hypot(force[2]);
-        totals.normal_force += if pulls { -size } else { size };
+        totals.normal_force += if shears_into { -size } else { size };
     }
     forces.friction.iter().for_each(|force| (0..3).for_each(|i| totals.force[i] += force[i]));
     let (areas, pressures) = (areas(pair, q), pressures(contact, forces, q));
@@ -290,8 +290,8 @@ fn summed(contact: Loaded, corners: &[Loaded], forces: &ContactForces, q: &[f64]
 }
 
 /// All fields of a contact in a state, evaluated at its positions.
-pub fn contact_fields<const D: usize>(contact: Loaded, corners: &[Loaded], q: &[f64]) -> ContactFields {
-    let Loaded { pair, evaluation, .. } = contact;
+pub fn contact_fields<const D: usize>(contact: LoadedContact, corners: &[LoadedContact], q: &[f64]) -> ContactFields {
+    let LoadedContact { pair, evaluation, .. } = contact;
     let (rows, secondary) = (pair.kernel.rows_per_node(), pair.kernel.secondary().nodes());
     let (gaps, coverage) = (&evaluation.gap, &evaluation.coverage);
     let forces = contact_forces::<D>(contact, corners, q);

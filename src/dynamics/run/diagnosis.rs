@@ -87,7 +87,7 @@ where
                     body: body.into(),
                     node,
                     contact: self.pair_of(iteration.worst_row).map(|pair| pair.name.clone()),
-                    is_slip: iteration.worst_row >= self.system.pressing,
+                    is_slip: iteration.worst_row >= self.system.normal_count,
                 }
             })
             .collect()
@@ -124,7 +124,7 @@ where
             let mut indices: Vec<usize> = pair.rows.clone().filter(|&row| cycling(row)).map(|row| (row - pair.rows.start) / rows).collect();
             let is_slip = indices.is_empty();
             let tangential = pair.tangential().filter(|&(row, _)| cycling(row));
-            indices.extend(tangential.map(|(_, pressing)| (pressing - pair.rows.start) / rows));
+            indices.extend(tangential.map(|(_, normal_row)| (normal_row - pair.rows.start) / rows));
             indices.sort_unstable();
             indices.dedup();
             let contact = pair.corners.map_or(pair, |corners| &self.system.pairs[corners.pair]);

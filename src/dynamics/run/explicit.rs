@@ -20,7 +20,7 @@ use crate::dynamics::step::contact_impulses::push;
 use crate::dynamics::step::explicit::PartForces;
 use crate::dynamics::step::failure::Failure;
 use crate::dynamics::step::iterate::Linearization;
-use crate::dynamics::step::scheme_memory::{ForceHistory, SchemeMemory};
+use crate::dynamics::step::scheme_history::{ForceHistory, SchemeHistory};
 use crate::dynamics::step::start::{Motion, StepKind, StepStart};
 use crate::integrators::Derivative;
 use crate::math::digits::three_digits;
@@ -65,11 +65,11 @@ where
         let time = state.row.time;
         self.check_turns(dt).map_err(Failure::Fatal)?;
         let (displacement, rates) = self.system.supports.prescribed_motion(time + dt).map_err(Failure::Fatal)?;
-        let motion = Motion { scheme: &scheme, dt, v_0: &state.velocities, remembered: &state.remembered, prescribed_v_1: &rates };
+        let motion = Motion { scheme: &scheme, dt, v_0: &state.velocities, scheme_history: &state.scheme_history, prescribed_v_1: &rates };
         let (q_0, u_0) = (&state.positions[..], &state.displacements[..]);
         let start = StepStart { time, q_0, u_0, memory: &state.memory, kind: StepKind::Motion(motion) };
         let (mut at, _) = self.system.spare.next();
-        let f_0: Vec<f64> = state.remembered.force.left.iter().map(|half| half / (1.0 - scheme.weight)).collect();
+        let f_0: Vec<f64> = state.scheme_history.force.left.iter().map(|half| half / (1.0 - scheme.weight)).collect();
         at.moved.clear();
         at.moved.extend((0..q_0.len()).map(|k| {
             let mobility = self.system.mobility(k);
@@ -147,15 +147,16 @@ where
         let forces = self.forces_at_rest(&start, &mut at, &mut lambda).map_err(|failure| self.error_of(failure))?;
         let static_forces = self.static_forces(&forces, &at.pairs, &lambda);
         let row = &state.row;
-        let mut remembered = SchemeMemory { of: scheme.describe(), exchanged: row.kinetic + row.strain.abs(), ..SchemeMemory::default() };
+        let mut scheme_history =
+            SchemeHistory { of: scheme.describe(), exchanged: row.kinetic + row.strain.abs(), ..SchemeHistory::default() };
         let mut obstacles = vec![0.0; q_0.len()];
         for pair in self.system.pairs.iter().filter(|pair| pair.kind == PairKind::Obstacle) {
             let half: Vec<f64> = lambda[pair.rows.clone()].iter().map(|lambda| 0.5 * lambda).collect();
             pair.kernel.obstacle_force_into(Derivative::AT_END, q_0, &vec![0.0; half.len()], &half, &mut obstacles);
         }
-        remembered.keep(&scheme, &static_forces, forces, &obstacles);
+        scheme_history.keep(&scheme, &static_forces, forces, &obstacles);
         let state = Arc::make_mut(&mut self.state);
-        (state.remembered, state.lambda) = (Arc::new(remembered), lambda);
+        (state.scheme_history, state.lambda) = (Arc::new(scheme_history), lambda);
         state.search = self.system.search();
         Ok(())
     }
@@ -184,7 +185,7 @@ where
     fn check_energy(&mut self, dt: f64, landed: &State) -> Result<(), Failure> {
         let nodes = &self.system.nodes;
         let floor = tolerances::FORCE_FLOOR * nodes.stiffness() * nodes.extent.powi(2);
-        let known = landed.remembered.exchanged.max(floor);
+        let known = landed.scheme_history.exchanged.max(floor);
         if landed.drift.abs() <= tolerances::RAN_AWAY * known && landed.drift.is_finite() {
             return Ok(());
         }
@@ -198,7 +199,7 @@ where
     }
 }
 
-impl SchemeMemory {
+impl SchemeHistory {
     /// Stores forces for the start of the next step. `obstacles` is half the force of obstacles `[force]`.
     pub(super) fn keep(&mut self, scheme: &crate::integrators::Scheme, static_forces: &[f64], forces: PartForces, obstacles: &[f64]) {
         let left =

@@ -17,7 +17,7 @@ use crate::dynamics::parts::nodal::half_product;
 use crate::dynamics::step::explicit::PartForces;
 use crate::dynamics::step::failure::Failure;
 use crate::dynamics::step::iterate::Linearization;
-use crate::dynamics::step::scheme_memory::SchemeMemory;
+use crate::dynamics::step::scheme_history::SchemeHistory;
 use crate::dynamics::step::start::{Motion, StepStart};
 use crate::integrators::Derivative;
 
@@ -86,9 +86,9 @@ where
         row.reactions = self.reactions(middle, |k| ends.reactions[0][k] + ends.reactions[1][k]);
 
         let pushes = forces.load.iter().any(|load| *load != 0.0) || ends.obstacle_work[0] != 0.0;
-        let exchanged = old.remembered.exchanged + row.load_work.abs() + (row.potential - old.row.potential).abs();
-        let mut remembered = SchemeMemory { of: old.remembered.of.clone(), dt, exchanged, ..SchemeMemory::default() };
-        remembered.keep(motion.scheme, &f_1, forces, &ends.obstacles[1]);
+        let exchanged = old.scheme_history.exchanged + row.load_work.abs() + (row.potential - old.row.potential).abs();
+        let mut scheme_history = SchemeHistory { of: old.scheme_history.of.clone(), dt, exchanged, ..SchemeHistory::default() };
+        scheme_history.keep(motion.scheme, &f_1, forces, &ends.obstacles[1]);
         let state = State {
             drift: old.drift + row.energy_defect,
             pushed: old.pushed,
@@ -102,14 +102,14 @@ where
             reserve: old.reserve.clone(),
             active,
             slipped: old.slipped.clone(),
-            remembered: Arc::new(remembered),
+            scheme_history: Arc::new(scheme_history),
             memory,
             clock: old.clock,
             search,
             level: 0,
             pace: old.pace.clone(),
             preferred: old.preferred,
-            carried: old.carried,
+            slips_until: old.slips_until,
             loads_ended: if pushes { start.time + dt } else { old.loads_ended },
         };
         self.system.recycle(at);
@@ -149,7 +149,7 @@ where
         }
         let weight = &system.nodes.weight;
         // Forces of the ground without those of obstacles.
-        let [load_0, ground_0] = motion.remembered.outside.each_ref().map(|lagging| &lagging.left);
+        let [load_0, ground_0] = motion.scheme_history.outside.each_ref().map(|lagging| &lagging.left);
         let half = |k: usize, load: f64, ground: &[f64], share: f64| 0.5 * weight[k] + load - share * ground.get(k).copied().unwrap_or(0.0);
         let others = [
             (0..unknowns).map(|k| half(k, load_0[k], ground_0, 1.0)).collect(),
@@ -169,7 +169,7 @@ where
         (ends, v_1): (&Ends, &[f64]),
     ) {
         let (system, old) = (&self.system, &self.state.row);
-        let load_0 = &motion.remembered.outside[0].left;
+        let load_0 = &motion.scheme_history.outside[0].left;
         let loads: f64 = (0..at.moved.len()).map(|k| (load_0[k] + 0.5 * forces.load[k]) * at.moved[k]).sum();
         let prescribed = system.supports.prescribed.iter().map(|one| one.unknown);
         let supports: f64 = prescribed.map(|k| (ends.reactions[0][k] + ends.reactions[1][k]) * at.moved[k]).sum();

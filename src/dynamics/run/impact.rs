@@ -76,10 +76,10 @@ where
     fn ratios(&self, solution: &Solution) -> Vec<f64> {
         let mut ratios = vec![0.0; self.system.multipliers];
         for pair in self.system.pairs.iter().filter(|pair| !pair.spins_in_place() && pair.reaction.is_none()) {
-            for (row, pressing) in pair.tangential() {
-                let lambda = if solution.active[pressing].is_closed() { &solution.at.lambda } else { &self.state.lambda };
-                if lambda[pressing] > 0.0 {
-                    ratios[row] = lambda[row] / lambda[pressing];
+            for (row, normal_row) in pair.tangential() {
+                let lambda = if solution.active[normal_row].is_closed() { &solution.at.lambda } else { &self.state.lambda };
+                if lambda[normal_row] > 0.0 {
+                    ratios[row] = lambda[row] / lambda[normal_row];
                 }
             }
         }
@@ -103,7 +103,7 @@ where
         let (state, count) = (&self.state, self.system.multipliers);
         let mut rows = Rows {
             ours: vec![false; count],
-            hold: solution.active.iter().enumerate().map(|(row, state)| row < self.system.pressing && state.is_closed()).collect(),
+            hold: solution.active.iter().enumerate().map(|(row, state)| row < self.system.normal_count && state.is_closed()).collect(),
             reserve: state.reserve.clone(),
             is_closing: false,
         };
@@ -136,7 +136,7 @@ where
         let target: Vec<f64> = rates.iter().zip(end.ours).map(|(rate, ours)| if *ours { -rate } else { 0.0 }).collect();
         let push = self.push(end, 0.0, &vec![0.0; rates.len()], &target)?;
         let slopes = self.slopes(end, &push);
-        let energy = slopes.pressing[0] + slopes.pressing[1];
+        let energy = slopes.normal[0] + slopes.normal[1];
         let share = |row: usize| if end.hold[row] && end.ours[row] { (push.lambda[row] * rates[row]).abs() } else { 0.0 };
         let sum: f64 = (0..rates.len()).map(share).sum();
         if energy < 0.0 && sum > 0.0 {

@@ -30,7 +30,7 @@ where
     pub fn judged(&mut self, state: State, dt: f64, substeps: &Substeps, before: Counters) -> Result<State, Failure> {
         let Some(control) = self.options.control else { return Ok(state) };
         let (old, options) = (&self.state, &self.options);
-        let scheme = options.integrator.after(old.remembered.dt, dt);
+        let scheme = options.integrator.after(old.scheme_history.dt, dt);
         let chosen = old.pace.size(&control, options.dt);
         let is_cut = substeps.is_whole() && dt < chosen * (1.0 - tolerances::SAME_MOMENT);
         // Ties and bilateral contacts are closed from the start.

@@ -13,20 +13,20 @@ pub struct ContactForces {
     /// Friction force on each secondary node `[force]`; empty without friction.
     pub(super) friction: Vec<[f64; 3]>,
     /// Tangential force of corners at each secondary node `[force]`; empty without friction.
-    pub(super) pulled: Vec<f64>,
+    pub(super) corner_shears: Vec<f64>,
     /// Mean pressure of the constraints on the covered part of each secondary node `[stress]`.
     pub(super) mean: Vec<f64>,
     /// Sum of the magnitudes of corner forces on each secondary node `[force]`.
-    pub(super) pressed: Vec<f64>,
+    pub(super) corner_forces: Vec<f64>,
     /// Forces on the nodes of both sides, by node number in the model, with repetitions `[force]`: normal forces, then friction.
     pub all: Vec<(u32, [f64; 3])>,
     /// Number of the forces in `all` that are normal forces.
-    pub pressing: usize,
+    pub normal_count: usize,
 }
 
 /// A pair with its evaluation at a configuration and its multipliers.
 #[derive(Clone, Copy)]
-pub struct Loaded<'a> {
+pub struct LoadedContact<'a> {
     pub pair: &'a ContactPair,
     pub evaluation: &'a Evaluation,
     pub lambda: &'a [f64],
@@ -35,31 +35,31 @@ pub struct Loaded<'a> {
     pub tangential: Option<Tangential<'a>>,
 }
 
-impl Loaded<'_> {
+impl LoadedContact<'_> {
     /// Visits the force of every normal constraint with its multiplier on every node of its contact elements: the node, true if the node
     /// owns a constraint of the element, the multiplier, the force.
     pub(super) fn for_each_force<const D: usize>(&self, lambda: &[f64], visit: impl FnMut(u32, bool, f64, [f64; 3])) {
-        self.visit::<D>(lambda, self.pressing(), &self.evaluation.gradient_end, false, visit);
+        self.visit::<D>(lambda, self.normal_rows(), &self.evaluation.gradient_end, false, visit);
     }
 
     /// Visits forces like [`Self::for_each_force`]; the force of a constraint of a facet or an edge is assigned to the node at which output
     /// shows it.
     pub(super) fn for_each_shown_force<const D: usize>(&self, lambda: &[f64], visit: impl FnMut(u32, bool, f64, [f64; 3])) {
-        self.visit::<D>(lambda, self.pressing(), &self.evaluation.gradient_end, true, visit);
+        self.visit::<D>(lambda, self.normal_rows(), &self.evaluation.gradient_end, true, visit);
     }
 
     /// Calls `visit` with the force of every tangential constraint on every node of its facets, with the arguments of `for_each_force`.
-    pub(super) fn for_each_pull<const D: usize>(&self, lambda: &[f64], visit: impl FnMut(u32, bool, f64, [f64; 3])) {
-        self.pulls::<D>(lambda, false, visit);
+    pub(super) fn for_each_shear<const D: usize>(&self, lambda: &[f64], visit: impl FnMut(u32, bool, f64, [f64; 3])) {
+        self.shears_into::<D>(lambda, false, visit);
     }
 
-    /// Visits forces like `for_each_pull`; the force of a constraint of a facet or an edge is assigned to the node at which output shows
+    /// Visits forces like `for_each_shear`; the force of a constraint of a facet or an edge is assigned to the node at which output shows
     /// it.
-    pub(super) fn for_each_shown_pull<const D: usize>(&self, lambda: &[f64], visit: impl FnMut(u32, bool, f64, [f64; 3])) {
-        self.pulls::<D>(lambda, true, visit);
+    pub(super) fn for_each_shown_shear<const D: usize>(&self, lambda: &[f64], visit: impl FnMut(u32, bool, f64, [f64; 3])) {
+        self.shears_into::<D>(lambda, true, visit);
     }
 
-    fn pulls<const D: usize>(&self, lambda: &[f64], is_shown: bool, mut visit: impl FnMut(u32, bool, f64, [f64; 3])) {
+    fn shears_into<const D: usize>(&self, lambda: &[f64], is_shown: bool, mut visit: impl FnMut(u32, bool, f64, [f64; 3])) {
         let Some(Tangential { evaluation, count, .. }) = self.tangential else { return };
         for block in self.pair.blocks([self.evaluation, evaluation]).filter(RowBlock::is_slip) {
             let first = block.rows.start;
@@ -69,7 +69,7 @@ impl Loaded<'_> {
     }
 
     /// Normal constraints, with their indices in the pair.
-    fn pressing(&self) -> impl Iterator<Item = (usize, usize, PatchRow<'_>)> {
+    fn normal_rows(&self) -> impl Iterator<Item = (usize, usize, PatchRow<'_>)> {
         let first = self.pair.rows.start;
         self.pair.live_rows(self.evaluation).map(move |row| (row.row - first, row.row - first, row))
     }
@@ -83,13 +83,13 @@ impl Loaded<'_> {
         is_shown: bool,
         mut visit: impl FnMut(u32, bool, f64, [f64; 3]),
     ) {
-        for (multiplier, pressing, row) in rows {
+        for (multiplier, normal, row) in rows {
             let factor = lambda[multiplier];
             if factor == 0.0 {
                 continue;
             }
             let kernel = &self.pair.kernel;
-            let shown_at = if is_shown { [kernel.shown_at(pressing), kernel.shown_on_primary(pressing)] } else { [None; 2] };
+            let shown_at = if is_shown { [kernel.shown_at(normal), kernel.shown_on_primary(normal)] } else { [None; 2] };
             let mut whole = [[0.0; 3]; 2];
             for (&node, gradient) in row.nodes.iter().zip(gradients[row.gradient].chunks_exact(D)) {
                 let mut force = [0.0; 3];

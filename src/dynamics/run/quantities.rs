@@ -4,7 +4,7 @@ use super::contact_quantities::{contact_fields, contact_forces, totals};
 use super::engine::Engine;
 use super::fields::{BodyFields, BodyTotals, CellPlaces, CellStress, ContactFields, ContactSurface, PlacedObstacle, RedundantConstraints};
 use super::ledger::{ContactTotals, ProbeValues, Reaction};
-use super::loaded::Loaded;
+use super::loaded::LoadedContact;
 use super::slip_memory::{SlipMemory, Tangential};
 use super::state::State;
 use crate::bodies::{BodyState, Elements, Recovery, Space, StressError, Stresses};
@@ -47,7 +47,7 @@ where
             let forces = contact_forces::<D>(contact, &corners, q);
             for (index, (node, force)) in forces.all.into_iter().enumerate() {
                 (0..3).for_each(|i| contact_force[node as usize][i] += force[i]);
-                if index < forces.pressing {
+                if index < forces.normal_count {
                     (0..3).for_each(|i| contact_pressing[node as usize][i] += force[i]);
                 }
             }
@@ -265,7 +265,7 @@ where
     }
 
     /// A contact and its corners with the evaluations of all pairs, in the present state.
-    fn loaded<'a>(&'a self, index: usize, [evaluations, slips]: &'a [Vec<Evaluation>; 2]) -> (Loaded<'a>, Vec<Loaded<'a>>) {
+    fn loaded<'a>(&'a self, index: usize, [evaluations, slips]: &'a [Vec<Evaluation>; 2]) -> (LoadedContact<'a>, Vec<LoadedContact<'a>>) {
         let State { lambda, active, slipped, .. } = &*self.state;
         loaded(&self.system, index, &EvaluatedContacts { evaluations, slips, lambda, active, slipped })
     }
@@ -326,7 +326,11 @@ fn mean(points: &[(usize, f64, CellStress)]) -> CellStress {
 }
 
 /// A contact and its corners with their evaluations and multipliers.
-fn loaded<'a, const D: usize>(system: &'a Equations<D>, index: usize, touching: &EvaluatedContacts<'a>) -> (Loaded<'a>, Vec<Loaded<'a>>) {
+fn loaded<'a, const D: usize>(
+    system: &'a Equations<D>,
+    index: usize,
+    touching: &EvaluatedContacts<'a>,
+) -> (LoadedContact<'a>, Vec<LoadedContact<'a>>) {
     let &EvaluatedContacts { evaluations, slips, lambda, active, slipped } = touching;
     let of = |k: usize| {
         let pair = &system.pairs[k];
@@ -334,11 +338,11 @@ fn loaded<'a, const D: usize>(system: &'a Equations<D>, index: usize, touching: 
             evaluation: &slips[k],
             lambda: &lambda[friction.rows.clone()],
             active: &active[friction.rows.clone()],
-            slipped: &slipped[friction.rows.start - system.pressing..friction.rows.end - system.pressing],
+            slipped: &slipped[friction.rows.start - system.normal_count..friction.rows.end - system.normal_count],
             count: friction.tangents,
         });
         let (lambda, active) = (&lambda[pair.rows.clone()], &active[pair.rows.clone()]);
-        Loaded { pair, evaluation: &evaluations[k], lambda, active, tangential }
+        LoadedContact { pair, evaluation: &evaluations[k], lambda, active, tangential }
     };
     let corners = (0..system.pairs.len()).filter(|&k| system.pairs[k].corners.is_some_and(|corners| corners.pair == index));
     (of(index), corners.map(of).collect())

@@ -19,7 +19,7 @@ const NEAR: f64 = 0.5;
 
 /// Condition on opened constraints for the return of their stored energy.
 #[derive(Clone, Copy, PartialEq)]
-enum Way {
+enum ReturnCondition {
     /// Only constraints whose sides part.
     Parting,
     /// All opened constraints, also those whose sides still approach.
@@ -40,11 +40,11 @@ where
             self.hand_to_closed(end, jump, row);
             self.hand_to_nearest(end, jump, row);
         }
-        if self.push_apart(end, jump, Way::Parting)? {
+        if self.push_apart(end, jump, ReturnCondition::Parting)? {
             return Ok(());
         }
         self.opened(end, jump).into_iter().for_each(|row| self.hand_to_closed(end, jump, row));
-        if !self.push_apart(end, jump, Way::Anyhow)? {
+        if !self.push_apart(end, jump, ReturnCondition::Anyhow)? {
             self.opened(end, jump).into_iter().for_each(|row| jump.reserve[row] = 0.0);
         }
         Ok(())
@@ -103,7 +103,7 @@ where
 
     /// Applies impulses of constraints that have opened, in proportion to the impact that their stored energy represents, and returns the
     /// energy: `v + s w` with the positive root of `a s^2 + b s = reserve`. Returns true if no stored energy remains.
-    fn push_apart(&mut self, end: &mut Ending, jump: &mut VelocityCorrection, way: Way) -> Result<bool, Failure> {
+    fn push_apart(&mut self, end: &mut Ending, jump: &mut VelocityCorrection, way: ReturnCondition) -> Result<bool, Failure> {
         let opened = self.opened(end, jump);
         if opened.is_empty() {
             return Ok(true);
@@ -115,13 +115,13 @@ where
         }
         let rates = self.system.rates(end.rows(), &end.solution.at.q_1, &end.v);
         let parting: f64 = pushes.iter().zip(rates).map(|(push, rate)| push * rate).sum();
-        if way == Way::Parting && parting <= 0.0 {
+        if way == ReturnCondition::Parting && parting <= 0.0 {
             return Ok(false);
         }
         let Some(push) = self.smoothed_push(end, &pushes)? else { return Ok(false) };
         let slopes = self.slopes(end, &push);
-        let [a, b] = slopes.pressing;
-        if a <= 0.0 || (way == Way::Parting && b <= 0.0) {
+        let [a, b] = slopes.normal;
+        if a <= 0.0 || (way == ReturnCondition::Parting && b <= 0.0) {
             return Ok(false);
         }
         let energy: f64 = opened.iter().map(|&row| jump.reserve[row]).sum();

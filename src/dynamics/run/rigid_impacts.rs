@@ -215,7 +215,7 @@ where
             law.compress(&mut course, |contact| touches[contact].was_closed);
         }
         let before_closing = std::mem::replace(&mut course.impulses, vec![0.0; rows.len()]);
-        course.pressing = 0.0;
+        course.normal_work = 0.0;
         law.compress(&mut course, |_| true);
         let compressed = course;
         let total =
@@ -226,13 +226,13 @@ where
         // Friction of the impact replaces that of the step in these contacts.
         let lost =
             |course: &ImpactSolution| -> f64 { course.friction.iter().sum::<f64>() - slipped.iter().sum::<f64>() - closing - work(course) };
-        let (available, nominal) = (lost(&compressed), -compressed.pressing);
+        let (available, nominal) = (lost(&compressed), -compressed.normal_work);
         let mut share = if nominal > 0.0 { (available.max(0.0) / nominal).sqrt() } else { 0.0 };
         let mut course = compressed.clone();
         for _ in 0..ATTEMPTS {
             course = compressed.clone();
             law.restore(&mut course, share);
-            let given = course.pressing - compressed.pressing;
+            let given = course.normal_work - compressed.normal_work;
             let all = lost(&course) - course.friction.iter().sum::<f64>();
             if all >= -tolerances::IMPACT_ENERGY * nominal || given <= 0.0 {
                 break;

@@ -156,10 +156,10 @@ where
         self.system.recycle(at);
         Arc::make_mut(&mut self.state).accelerations.fill(0.0);
         let probes = self.probe_values(&self.state.displacements, &self.state.velocities, &self.state.accelerations);
-        let State { positions: q, displacements: u, velocities: v, row, active, penalty_gap, reserve, memory, drift, carried, .. } =
+        let State { positions: q, displacements: u, velocities: v, row, active, penalty_gap, reserve, memory, drift, slips_until, .. } =
             Arc::make_mut(&mut self.state);
         *memory = self.system.relaxed(row.time, Pose { q, u }, memory);
-        *carried = row.time;
+        *slips_until = row.time;
         row.strain = self.system.strain_energy(u, memory);
         let mut gaps: Vec<f64> = self.system.pairs.iter().flat_map(|pair| pair.kernel.gap(q)).collect();
         gaps.resize(self.system.multipliers, 0.0);
@@ -224,7 +224,7 @@ where
             Err(Failure::Fatal(error)) => return Err(error),
             Err(failure) => return Err(self.failed(&failure, 0.0, 0)),
         };
-        let is_carried = self.rest_friction && self.state.carried != time && self.system.pairs.iter().any(ContactPair::carries);
+        let is_carried = self.rest_friction && self.state.slips_until != time && self.system.pairs.iter().any(ContactPair::carries);
         let is_closed = prescribed == 0.0 && !is_carried && meets(&self.system, &at, &self.conditions_at_rest(&start));
         let imbalance = balance.judge(&self.system, at.pose(), &at.forces);
         Ok(EvaluatedState { positions, displacements, predicted, moved, prescribed, is_whole, reaches, at, imbalance, is_closed })
@@ -291,7 +291,7 @@ where
                 let (own, system) = (&self.state.slipped, &self.system);
                 let slipped = slipped(system, own, &solution.at, 1.0, (&solution.at.lambda, &solution.active));
                 let state = Arc::make_mut(&mut self.state);
-                (state.slipped, state.carried) = (slipped, state.row.time);
+                (state.slipped, state.slips_until) = (slipped, state.row.time);
                 (state.lambda, state.active) = (solution.at.lambda.clone(), solution.active);
                 (state.positions, state.displacements) = (solution.at.q_1.clone(), solution.at.u_1.clone());
                 self.system.recycle(solution.at);
@@ -361,7 +361,7 @@ where
     /// Starts a step at rest.
     pub(super) fn begin_at_rest(&mut self, predicted_motion: &PredictedMotion, reaches: &[f64]) -> Result<(), StepError> {
         self.system.equations.move_obstacles(self.state.row.time, 0.0)?;
-        self.system.equations.carry(self.state.carried, self.state.row.time)?;
+        self.system.equations.carry(self.state.slips_until, self.state.row.time)?;
         self.system.begin_deep_step(predicted_motion, reaches).map_err(|error| self.error_of(Failure::Linear(error)))?;
         self.system.equations.begin_friction(self.state.row.time, predicted_motion.q)
     }
@@ -372,7 +372,7 @@ where
         Conditions {
             gap_n: vec![0.0; count],
             targets: self.system.closed_gaps(),
-            members: (0..count).map(|row| !self.system.redundant[row] && (row < self.system.pressing || self.rest_friction)).collect(),
+            members: (0..count).map(|row| !self.system.redundant[row] && (row < self.system.normal_count || self.rest_friction)).collect(),
             compliance: self.system.compliance(&stiffness),
             end_point: true,
             shift: vec![0.0; count],
@@ -427,7 +427,7 @@ where
                 && self.state.active[pair.rows.clone()].contains(&RowState::Closed)
         });
         let missing = is_loose.then_some(match touches {
-            true if self.system.multipliers > self.system.pressing => Missing::Friction,
+            true if self.system.multipliers > self.system.normal_count => Missing::Friction,
             true => Missing::Guidance,
             false => Missing::Support,
         });

@@ -31,12 +31,12 @@ pub fn slipped<const D: usize>(
     let mut after = before.to_vec();
     for (pair, slips) in equations.pairs.iter().zip(&at.slips) {
         let Some(friction) = &pair.friction else { continue };
-        for (local, pressing) in pair.rows.clone().enumerate() {
+        for (local, normal_row) in pair.rows.clone().enumerate() {
             let group = friction.group(local);
             let own = group.start - friction.rows.start..group.end - friction.rows.start;
             let length = slips.coverage[own.start] * pair.kernel.weights()[local];
-            let is_pressed = active[pressing].is_closed() && length > 0.0;
-            let memories = &mut after[group.start - equations.pressing..group.end - equations.pressing];
+            let is_pressed = active[normal_row].is_closed() && length > 0.0;
+            let memories = &mut after[group.start - equations.normal_count..group.end - equations.normal_count];
             let mut path = 0.0f64;
             for ((memory, work), shear) in memories.iter_mut().zip(&slips.gap[own]).zip(&shear[group]) {
                 let slip = if is_pressed { work / length } else { 0.0 };
@@ -58,7 +58,7 @@ pub fn add_heat(slipped: &mut [SlipMemory], work: &[f64]) {
 
 /// Work of friction in each contact between two states of the accumulated slips `[energy]`.
 pub fn friction_work<const D: usize>(equations: &Equations<D>, before: &[SlipMemory], after: &[SlipMemory]) -> Vec<f64> {
-    let taken = |row: usize| before[row - equations.pressing].heat - after[row - equations.pressing].heat;
+    let taken = |row: usize| before[row - equations.normal_count].heat - after[row - equations.normal_count].heat;
     equations.by_contact(|_, pair| pair.tangential().map(|(row, _)| taken(row)).sum())
 }
 
@@ -68,7 +68,7 @@ pub fn joint_friction<'a, const D: usize>(
     before: &'a [SlipMemory],
     after: &'a [SlipMemory],
 ) -> impl Iterator<Item = (&'a ContactPair, f64)> {
-    let taken = move |row: usize| before[row - equations.pressing].heat - after[row - equations.pressing].heat;
+    let taken = move |row: usize| before[row - equations.normal_count].heat - after[row - equations.normal_count].heat;
     let joints = equations.pairs.iter().filter(|pair| pair.kind == PairKind::JointFriction);
     joints.map(move |pair| (pair, pair.tangential().map(|(row, _)| taken(row)).sum::<f64>() + 0.0))
 }

@@ -10,7 +10,7 @@ use super::slip_memory::SlipMemory;
 use crate::dynamics::model::part::Pose;
 use crate::dynamics::parts::laws::RowState;
 use crate::dynamics::step::attempts::PreferredAttempt;
-use crate::dynamics::step::scheme_memory::SchemeMemory;
+use crate::dynamics::step::scheme_history::SchemeHistory;
 use crate::dynamics::step::search_history::SearchHistory;
 
 /// State of a simulation: all data on which later steps depend. States can be stored, restored and continued in several ways.
@@ -37,7 +37,7 @@ pub struct State {
     /// Accumulated slip of the tangential constraints.
     pub(super) slipped: Vec<SlipMemory>,
     /// History variables of the time integrator.
-    pub(super) remembered: Arc<SchemeMemory>,
+    pub(super) scheme_history: Arc<SchemeHistory>,
     /// History variables of every part, block by block; most are empty.
     pub(super) memory: Arc<Vec<Vec<f64>>>,
     /// Step counter.
@@ -56,7 +56,7 @@ pub struct State {
     /// Attempt of Newton's method that the next step tries first.
     pub(super) preferred: PreferredAttempt,
     /// Time up to which the motion of obstacles is included in slips: that of the state, except while an equilibrium is computed.
-    pub(super) carried: f64,
+    pub(super) slips_until: f64,
     /// End of the last step in which a load acted.
     pub(super) loads_ended: f64,
 }
@@ -74,7 +74,7 @@ impl State {
             let rows = [state.lambda.len(), state.penalty_gap.len(), state.reserve.len(), state.active.len(), state.slipped.len()];
             (nodal, rows, state.memory.iter().map(Vec::len).collect::<Vec<_>>())
         };
-        let remembers = self.remembered.has_length(self.positions.len());
+        let remembers = self.scheme_history.has_length(self.positions.len());
         let nodal = [&self.positions, &self.displacements, &self.velocities, &self.accelerations];
         let is_somewhere = nodal.iter().all(|all| all.iter().all(|x| x.is_finite()));
         // Each halving doubles the number of substeps, which is an integer.
@@ -93,8 +93,8 @@ impl State {
         let nodal = 8 * (self.positions.len() + self.displacements.len() + self.velocities.len() + self.accelerations.len());
         let is_shared = |same: fn(&State, &State) -> bool| before.is_some_and(|before| same(self, before));
         let mut size = size_of::<State>() + self.row.heap_size() + rows + slips + nodal;
-        if !is_shared(|own, before| Arc::ptr_eq(&own.remembered, &before.remembered)) {
-            size += 8 * self.remembered.len();
+        if !is_shared(|own, before| Arc::ptr_eq(&own.scheme_history, &before.scheme_history)) {
+            size += 8 * self.scheme_history.len();
         }
         if !is_shared(|own, before| Arc::ptr_eq(&own.memory, &before.memory)) {
             size += self.memory.iter().map(|block| size_of_val(block) + size_of_val(&block[..])).sum::<usize>();

@@ -36,13 +36,13 @@ where
         }
         let stages = integrator.stages();
         if stages.is_empty() {
-            return self.stage(&integrator.after(self.state.remembered.dt, dt), dt, may_be_halved);
+            return self.stage(&integrator.after(self.state.scheme_history.dt, dt), dt, may_be_halved);
         }
         let before = self.state.clone();
         let end = stages.iter().try_fold(before.clone(), |_, (share, stage)| {
             let mut state = self.stage(stage, share * dt, may_be_halved)?;
             state.row.time = self.state.row.time + share * dt;
-            state.carried = state.row.time;
+            state.slips_until = state.row.time;
             state.row.join(&self.state.row, before.row.step, share * dt, dt);
             self.state = Arc::new(state);
             Ok(self.state.clone())
@@ -95,8 +95,8 @@ where
         self.system.begin_step(&predicted_motion).map_err(Failure::Linear)?;
         self.system.equations.begin_friction(time + 0.5 * dt, &state.positions).map_err(Failure::Fatal)?;
 
-        let (v_0, remembered, prescribed_v_1) = (&state.velocities[..], &*state.remembered, &prescribed_v_1[..]);
-        let motion = Motion { scheme, dt, v_0, remembered, prescribed_v_1 };
+        let (v_0, scheme_history, prescribed_v_1) = (&state.velocities[..], &*state.scheme_history, &prescribed_v_1[..]);
+        let motion = Motion { scheme, dt, v_0, scheme_history, prescribed_v_1 };
         let start =
             StepStart { time, q_0: &state.positions, u_0: &state.displacements, memory: &state.memory, kind: StepKind::Motion(motion) };
         let mut conditions = self.system.conditions(&start, &state.penalty_gap, &state.active);
@@ -187,7 +187,7 @@ where
             {
                 return Err(Failure::BeyondSearch { pair: pair.name.clone() });
             }
-            if pair.kernel.overlooks(predicted_motion.q, q_1, tolerances::OVERLOOKED * pair.kernel.facet_size()) {
+            if pair.kernel.overlooks(predicted_motion.q, q_1, tolerances::EXCLUDED_OVERLAP * pair.kernel.facet_size()) {
                 return Err(Failure::Overlooked { pair: pair.name.clone() });
             }
         }

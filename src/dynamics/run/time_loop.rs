@@ -154,9 +154,9 @@ where
         self.rest_friction = friction;
         if !friction {
             // Friction forces of the previous state are removed.
-            let (pressing, State { lambda, active, .. }) = (self.system.pressing, Arc::make_mut(&mut self.state));
-            lambda[pressing..].fill(0.0);
-            active[pressing..].fill(RowState::Open);
+            let (normal_count, State { lambda, active, .. }) = (self.system.normal_count, Arc::make_mut(&mut self.state));
+            lambda[normal_count..].fill(0.0);
+            active[normal_count..].fill(RowState::Open);
         }
         let mut outcome = self.settle_at(time).and_then(|report| self.options.undisturbed(time).map(|()| report));
         self.rest_friction = true;
@@ -250,7 +250,7 @@ where
         let lambda = &self.state.lambda;
         let rows: Vec<(usize, usize)> = self.system.pairs.iter().flat_map(ContactPair::tangential).collect();
         let of = |group: &[(usize, usize)]| match *group {
-            [(row, pressing)] => [lambda[pressing], lambda[row]],
+            [(row, normal_row)] => [lambda[normal_row], lambda[row]],
             _ => [lambda[group[0].1], group.iter().map(|&(row, _)| lambda[row]).fold(0.0, f64::hypot)],
         };
         rows.chunk_by(|a, b| a.1 == b.1).map(of).collect()
@@ -321,7 +321,7 @@ where
     /// Takes a nominal step: from kink to kink of loads and prescribed motions, in substeps where it must be halved.
     fn nominal_step(&mut self, end: Option<f64>, accepted: &mut dyn FnMut(&LedgerRow)) -> Result<(), StepError> {
         let state = &self.state;
-        let is_new = state.row.step == 0 || !state.remembered.is_of(&self.options.integrator);
+        let is_new = state.row.step == 0 || !state.scheme_history.is_of(&self.options.integrator);
         if is_new || state.clock.dt != self.options.dt {
             self.check_stable()?;
         }
@@ -397,7 +397,7 @@ where
                 Ok(mut state) => {
                     let between = substeps.accepted();
                     state.row.time = between.unwrap_or(target);
-                    state.carried = state.row.time;
+                    state.slips_until = state.row.time;
                     state.row.halvings = std::mem::take(&mut halvings);
                     let [iterations, factorizations] = std::mem::replace(&mut booked, self.work());
                     state.row.newton_iterations = booked[0] - iterations;

@@ -85,7 +85,7 @@ pub struct Ending<'a> {
 /// Coefficients of `s^2` and `s` in the kinetic energy of `v + s w`, in the frame of moving supports and obstacles.
 pub struct Slopes {
     /// Contribution of the normal constraints.
-    pub pressing: [f64; 2],
+    pub normal: [f64; 2],
     /// Contribution of each tangential constraint, in the order of all constraints.
     pub friction: Vec<[f64; 2]>,
 }
@@ -101,7 +101,7 @@ impl Ending<'_> {
     pub fn add(&mut self, jump: &mut VelocityCorrection, s: f64, push: &ImpulseResponse, slopes: &Slopes) {
         self.v.iter_mut().zip(&push.velocity).for_each(|(v, w)| *v += s * w);
         jump.add(s, push, self.motion.dt);
-        jump.energy += Slopes::at(slopes.pressing, s);
+        jump.energy += Slopes::at(slopes.normal, s);
         jump.friction.iter_mut().zip(&slopes.friction).for_each(|(sum, slopes)| *sum += Slopes::at(*slopes, s));
     }
 
@@ -189,18 +189,18 @@ where
     /// Kinetic energy coefficients of an impulse response.
     pub fn slopes(&self, end: &Ending, push: &ImpulseResponse) -> Slopes {
         let momenta = self.system.nodes.momenta_of(&push.velocity);
-        let mut pressing = [half_product(&push.velocity, &momenta), 2.0 * half_product(&end.v, &momenta) - push.work];
+        let mut normal = [half_product(&push.velocity, &momenta), 2.0 * half_product(&end.v, &momenta) - push.work];
         let mut friction = vec![[0.0; 2]; push.lambda.len()];
         if end.ratios.iter().any(|ratio| *ratio != 0.0) {
             let after: Vec<f64> = end.v.iter().zip(&push.velocity).map(|(v, w)| v + w).collect();
             let (before, after) =
                 (self.system.rates(end.rows(), &end.solution.at.q_1, &end.v), self.system.rates(end.rows(), &end.solution.at.q_1, &after));
-            for row in self.system.pressing..push.lambda.len() {
+            for row in self.system.normal_count..push.lambda.len() {
                 let lambda = push.lambda[row];
                 friction[row] = [0.5 * lambda * (after[row] - before[row]), lambda * before[row]];
-                (0..2).for_each(|k| pressing[k] -= friction[row][k]);
+                (0..2).for_each(|k| normal[k] -= friction[row][k]);
             }
         }
-        Slopes { pressing, friction }
+        Slopes { normal, friction }
     }
 }

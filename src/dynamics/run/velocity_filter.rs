@@ -76,9 +76,9 @@ where
         for pair in &self.system.pairs {
             if !pair.law.is_bilateral() && with_contact && pair.has_multipliers() {
                 pair.rows.clone().for_each(|row| hold[row] = is_closed(row));
-                let sticking = pair.tangential().filter(|(row, pressing)| pair.turn.is_none() && is_closed(*row) && hold[*pressing]);
+                let sticking = pair.tangential().filter(|(row, normal_row)| pair.turn.is_none() && is_closed(*row) && hold[*normal_row]);
                 let sticking: Vec<usize> = sticking.map(|(row, _)| row).collect();
-                let held = |row: usize| solution.at.held[row - self.system.pressing];
+                let held = |row: usize| solution.at.held[row - self.system.normal_count];
                 sticking.into_iter().for_each(|row| hold[row] = !held(row));
             }
         }

@@ -103,9 +103,9 @@ where
         proximal: Option<&[f64]>,
         frozen: &mut Option<Frozen>,
     ) -> Result<RowValues, Failure> {
-        let mut rows = constraint_rows(self.system, at, self.task.conditions, set, self.yielding, proximal);
+        let mut rows = constraint_rows(self.system, at, self.task.conditions, set, self.compliance_ratio, proximal);
         if let Some(terms) = proximal {
-            rows.add_proximal(self.system.pressing, terms, &at.lambda);
+            rows.add_proximal(self.system.normal_count, terms, &at.lambda);
         }
         let known = frozen.as_mut().and_then(|frozen| self.system.rows_with(frozen, self.task.start, at, &rows));
         let mut values = match known {
@@ -116,8 +116,8 @@ where
         let evaluated = at.pairs.iter().flat_map(|pair| &pair.gap).chain(slips);
         values.gaps.iter_mut().zip(evaluated).for_each(|(change, gap)| *change += gap);
         if let Some(terms) = proximal {
-            let pressing = values.gaps[..self.system.pressing].iter_mut();
-            pressing.zip(terms).zip(&at.lambda).for_each(|((gap, term), lambda)| *gap -= term * lambda);
+            let normal = values.gaps[..self.system.normal_count].iter_mut();
+            normal.zip(terms).zip(&at.lambda).for_each(|((gap, term), lambda)| *gap -= term * lambda);
         }
         // Gaps and slips including the compliance of the constraints, by which stick or slip is decided.
         for (row, Equation { compliance, .. }) in rows.0.iter().enumerate().filter(|(_, row)| row.compliance > 0.0) {
@@ -144,7 +144,7 @@ where
     /// constraint becomes active.
     fn follow(&self, at: &Linearization, set: &[RowState], next: &mut [RowState]) {
         for place in slips_at(self.system, at).filter(|place| !self.dropped[place.rows.start]) {
-            if next[place.pressing] != set[place.pressing] {
+            if next[place.normal_row] != set[place.normal_row] {
                 let state = first_state(&place, self.task.conditions, at, next);
                 next[place.rows].fill(state);
             }
@@ -165,7 +165,7 @@ where
                 }
             }
         }
-        let takes_part = |place: &SlipPlace| place.exists && !self.dropped[place.rows.start] && set[place.pressing].is_closed();
+        let takes_part = |place: &SlipPlace| place.exists && !self.dropped[place.rows.start] && set[place.normal_row].is_closed();
         for place in slips_at(self.system, at).filter(takes_part) {
             let first = place.rows.start;
             // A slip starts in the direction of the trial multiplier, which is defined at a later iterate.

@@ -229,13 +229,13 @@ where
         self.visit(start, &at.q_1, &at.moved, &mut told);
         let iterate = start.iterate(&at.q_1, &at.u_1, &told);
         let mut heats = PartDissipation::default();
-        let remembered = self.parts().zip(start.memory).map(|(part, memory)| {
-            let remembered = part.remembered(&iterate, memory)?;
-            heats.push(&remembered);
-            Ok(remembered.memory)
+        let results = self.parts().zip(start.memory).map(|(part, memory)| {
+            let results = part.after_step(&iterate, memory)?;
+            heats.push(&results);
+            Ok(results.memory)
         });
-        let remembered = remembered.collect::<Result<_, StepError>>()?;
-        Ok((Arc::new(remembered), heats))
+        let results = results.collect::<Result<_, StepError>>()?;
+        Ok((Arc::new(results), heats))
     }
 
     /// History variables of all force elements after a step at rest, and the heat of each body in it `[energy]`. Only the variables of
@@ -255,9 +255,9 @@ where
         let (mut after, told, mut heats) = (memory.to_vec(), IterateInputs::default(), PartDissipation::default());
         let iterate = start.iterate(&at.q_1, &at.u_1, &told);
         for (body, kept) in self.bodies.iter().zip(&mut after) {
-            let remembered = body.remembered(&iterate, kept)?;
-            heats.push(&remembered);
-            *kept = remembered.memory;
+            let results = body.after_step(&iterate, kept)?;
+            heats.push(&results);
+            *kept = results.memory;
         }
         Ok((Arc::new(after), heats))
     }
@@ -295,13 +295,13 @@ where
     /// Finds tangential constraints whose slip supports prevent.
     fn find_held(&self, pairs: &[Evaluation], slips: &[Evaluation], held: &mut Vec<bool>) {
         held.clear();
-        if self.multipliers == self.pressing {
+        if self.multipliers == self.normal_count {
             return;
         }
-        let mut sizes = vec![[0.0; 2]; self.multipliers - self.pressing];
+        let mut sizes = vec![[0.0; 2]; self.multipliers - self.normal_count];
         for block in self.blocks(pairs, slips).filter(RowBlock::is_slip) {
             for row in block.live_rows() {
-                let [all, free] = &mut sizes[row.row - self.pressing];
+                let [all, free] = &mut sizes[row.row - self.normal_count];
                 for (unknown, entry) in row.unknowns::<D>() {
                     let size = block.evaluation.gradient_end[entry].abs();
                     *all += size;
@@ -311,25 +311,25 @@ where
         }
         held.extend(sizes.iter().map(|[all, free]| *free <= tolerances::HELD_ROW * all));
         for pair in self.pairs.iter().filter(|pair| pair.reaction.as_ref().is_some_and(|reaction| reaction.is_driven)) {
-            pair.tangential().for_each(|(row, _)| held[row - self.pressing] = true);
+            pair.tangential().for_each(|(row, _)| held[row - self.normal_count] = true);
         }
     }
 
     /// Computes the slips for which the slip rates of tangential constraints vanish at the end of the step: 0 at rest.
     fn find_rests(&self, start: &StepStart, moved: &[f64], pairs: &[Evaluation], slips: &[Evaluation], rests: &mut Vec<f64>) {
         rests.clear();
-        rests.resize(self.multipliers - self.pressing, 0.0);
+        rests.resize(self.multipliers - self.normal_count, 0.0);
         if rests.is_empty() {
             return;
         }
         let Some(Stopping { moved: stopping, own }) = start.stopping(moved, &self.supports.prescribed) else { return };
         for block in self.blocks(pairs, slips).filter(RowBlock::is_slip) {
-            for (rest, slip) in rests[block.rows.start - self.pressing..].iter_mut().zip(&block.evaluation.gap) {
+            for (rest, slip) in rests[block.rows.start - self.normal_count..].iter_mut().zip(&block.evaluation.gap) {
                 *rest += own * slip;
             }
             for row in block.live_rows() {
                 let by = |(k, entry): (usize, usize)| block.evaluation.gradient_bar[entry] * (stopping[k] - own * moved[k]);
-                rests[row.row - self.pressing] += row.unknowns::<D>().map(by).sum::<f64>();
+                rests[row.row - self.normal_count] += row.unknowns::<D>().map(by).sum::<f64>();
             }
         }
     }
@@ -348,7 +348,7 @@ where
     /// Gradients of the tangential constraints of all pairs at the positions `q`, with zero slips; `pairs` are the normal constraints at
     /// `q`.
     pub fn slips_at_rest(&self, q: &[f64], pairs: &[Evaluation]) -> Vec<Evaluation> {
-        let moved = if self.multipliers > self.pressing { vec![0.0; q.len()] } else { Vec::new() };
+        let moved = if self.multipliers > self.normal_count { vec![0.0; q.len()] } else { Vec::new() };
         let evaluated = |(pair, evaluation): (&ContactPair, &Evaluation)| {
             let mut slip = Evaluation::default();
             if let Some(friction) = &pair.friction {

@@ -32,11 +32,11 @@ pub struct Conditions {
 }
 
 impl Conditions {
-    /// Compliance of a constraint in an iteration; `yielding` is its requested ratio to the initial compliance.
-    pub fn eased(&self, row: usize, yielding: f64) -> f64 {
+    /// Compliance of a constraint in an iteration; `compliance_ratio` is its requested ratio to the initial compliance.
+    pub fn compliance_at(&self, row: usize, compliance_ratio: f64) -> f64 {
         let compliance = self.compliance[row];
         let is_large = compliance * self.stiffness[row] > tolerances::LARGE_COMPLIANCE;
-        if is_large { compliance * yielding.max(tolerances::LEAST_EASED) } else { compliance }
+        if is_large { compliance * compliance_ratio.max(tolerances::LEAST_REGULARIZATION_RATIO) } else { compliance }
     }
 
     /// Constraint of a pair at an iterate with the given gap and multiplier.
@@ -95,8 +95,8 @@ impl<const D: usize> Equations<D> {
         self.copy_to_slips(&mut compliance);
         // Supports may prevent a slip in a direction oblique to both tangents.
         for pair in self.pairs.iter().filter(|pair| pair.augmentation.is_none() && eases_slips(pair)) {
-            for (row, pressing) in pair.tangential() {
-                compliance[row] = 1.0 / (tolerances::CORNER_AUGMENTATION * stiffness[pressing]);
+            for (row, normal_row) in pair.tangential() {
+                compliance[row] = 1.0 / (tolerances::CORNER_AUGMENTATION * stiffness[normal_row]);
             }
         }
         for pair in self.pairs.iter().filter(|pair| self.is_on_rigid_body(pair)) {
@@ -105,7 +105,7 @@ impl<const D: usize> Equations<D> {
             let of_area: f64 = pair.rows.clone().zip(weights).map(|(row, weight)| stiffness[row] * weight).sum();
             let by_weight = pair.rows.len() as f64 / (factor.min(tolerances::RIGID_AUGMENTATION) * of_area);
             pair.rows.clone().zip(weights).for_each(|(row, weight)| compliance[row] = by_weight * weight);
-            pair.tangential().for_each(|(row, pressing)| compliance[row] = compliance[pressing]);
+            pair.tangential().for_each(|(row, normal_row)| compliance[row] = compliance[normal_row]);
         }
         compliance
     }
@@ -153,7 +153,7 @@ impl<const D: usize> Equations<D> {
 
     /// Copies the values of normal constraints to their tangential constraints.
     pub(super) fn copy_to_slips<T: Copy>(&self, values: &mut [T]) {
-        self.pairs.iter().flat_map(ContactPair::tangential).for_each(|(row, pressing)| values[row] = values[pressing]);
+        self.pairs.iter().flat_map(ContactPair::tangential).for_each(|(row, normal_row)| values[row] = values[normal_row]);
     }
 
     /// Weighted gaps of active constraints: zero except for corners.
@@ -188,7 +188,7 @@ impl<const D: usize> Equations<D> {
         let stiffness = self.row_stiffness(start);
         for pair in self.pairs.iter().filter(|pair| pair.restitution.is_some()) {
             // Contacts between rigid sides that close in the step have the friction of their impact only.
-            pair.tangential().for_each(|(row, pressing)| members[row] &= gap_n[pressing] <= held[pressing] + pair.closed);
+            pair.tangential().for_each(|(row, normal_row)| members[row] &= gap_n[normal_row] <= held[normal_row] + pair.closed);
         }
         Conditions {
             gap_n,

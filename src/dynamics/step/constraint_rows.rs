@@ -17,10 +17,10 @@ impl ConstraintRows {
         ConstraintRows(hold.iter().map(|hold| if *hold { Equation::held(0.0, 0.0) } else { Equation::OPEN }).collect())
     }
 
-    /// Adds a proximal term to the active of the first `pressing` constraints: a compliance for the change of the multiplier from `lambda`.
+    /// Adds a proximal term to the active ones of the first `normal_count` constraints: a compliance for changes of multipliers from `lambda`.
     /// Equations of tangential constraints include the term already.
-    pub fn add_proximal(&mut self, pressing: usize, terms: &[f64], lambda: &[f64]) {
-        for (row, (term, lambda)) in self.0[..pressing].iter_mut().zip(terms.iter().zip(lambda)) {
+    pub fn add_proximal(&mut self, normal_count: usize, terms: &[f64], lambda: &[f64]) {
+        for (row, (term, lambda)) in self.0[..normal_count].iter_mut().zip(terms.iter().zip(lambda)) {
             if row.acts && row.gradient == 1.0 && row.normal == 0.0 {
                 row.diagonal += term;
                 row.right += term * lambda;

@@ -95,7 +95,7 @@ impl<const D: usize> Equations<D> {
 
     /// Constraints of all pairs at an iterate: for each pair the normal ones, then the tangential ones.
     pub fn blocks<'a>(&'a self, pairs: &'a [Evaluation], slips: &'a [Evaluation]) -> impl Iterator<Item = RowBlock<'a>> {
-        self.pairs.iter().zip(pairs).zip(slips).flat_map(|((pair, pressing), slip)| pair.blocks([pressing, slip]))
+        self.pairs.iter().zip(pairs).zip(slips).flat_map(|((pair, normal), slip)| pair.blocks([normal, slip]))
     }
 
     /// Rates `G_A v` of all normal and tangential constraints at the positions `q_1`, relative to moving obstacles.

@@ -33,7 +33,7 @@ pub fn has_row(pair: &ContactPair, evaluation: &Evaluation, local: usize) -> boo
 pub struct SlipPlace<'a> {
     /// Indices of the tangential constraints, and of the normal one, among all constraints.
     pub rows: Range<usize>,
-    pub pressing: usize,
+    pub normal_row: usize,
     /// Contact pair of the constraints.
     pub pair: &'a ContactPair,
     /// True if the tangential constraints can be active: the node faces the other side at the end of the step and where slip is measured.
@@ -60,14 +60,14 @@ impl<'a> SlipPlace<'a> {
     }
 
     fn group(&self, conditions: &Conditions, slip: impl Fn(usize) -> f64, lambda: &[f64]) -> SlipGroup<'a> {
-        let &SlipPlace { pressing, pair, friction, sense, around, rests, is_held, .. } = self;
+        let &SlipPlace { normal_row, pair, friction, sense, around, rests, is_held, .. } = self;
         let first = self.rows.start;
-        let local = pressing - pair.rows.start;
+        let local = normal_row - pair.rows.start;
         let length = self.covered * pair.kernel.weights()[local];
         let pressed = NormalState {
             law: &*friction.law,
             coefficient: friction.coefficients[local],
-            normal: sense * lambda[pressing],
+            normal: sense * lambda[normal_row],
             sense,
             speed: if conditions.dt > 0.0 && length > 0.0 { 1.0 / (length * conditions.dt) } else { 0.0 },
             around,
@@ -100,15 +100,15 @@ fn vector<const N: usize>(
 pub fn slips_at<'a, const D: usize>(equations: &'a Equations<D>, at: &'a Linearization) -> impl Iterator<Item = SlipPlace<'a>> {
     pairs_at(equations, at).zip(&at.slips).flat_map(move |((pair, evaluation), slip)| {
         let groups = pair.friction.iter().flat_map(|friction| pair.rows.clone().enumerate().map(move |of| (friction, of)));
-        groups.map(move |(friction, (local, pressing))| {
+        groups.map(move |(friction, (local, normal_row))| {
             let rows = friction.group(local);
-            let (first, end) = (rows.start - equations.pressing, rows.end - equations.pressing);
+            let (first, end) = (rows.start - equations.normal_count, rows.end - equations.normal_count);
             let covered = slip.coverage[rows.start - friction.rows.start];
-            let around = pair.node_of(pressing).map_or(1.0, |node| pair.circumference(node, &at.q_1));
+            let around = pair.node_of(normal_row).map_or(1.0, |node| pair.circumference(node, &at.q_1));
             let exists = has_row(pair, evaluation, local) && covered > tolerances::SLIVER && around > 0.0;
-            let sense = if pair.law.is_bilateral() && at.lambda[pressing] < 0.0 { -1.0 } else { 1.0 };
+            let sense = if pair.law.is_bilateral() && at.lambda[normal_row] < 0.0 { -1.0 } else { 1.0 };
             let (rests, is_held) = (&at.rests[first..end], at.held[first]);
-            SlipPlace { rows, pressing, pair, exists, friction, slip, covered, sense, around, rests, is_held }
+            SlipPlace { rows, normal_row, pair, exists, friction, slip, covered, sense, around, rests, is_held }
         })
     })
 }
@@ -194,21 +194,21 @@ pub fn starting_set<const D: usize>(
     set
 }
 
-/// Equations of the constraints for an active set. `yielding`: compliance of regularized constraints, and of tangential constraints of
+/// Equations of the constraints for an active set. `compliance_ratio`: compliance of regularized constraints, and of tangential ones of
 /// overconstrained nodes, relative to its initial value; tangential constraints include the proximal `terms`.
 pub fn constraint_rows<const D: usize>(
     equations: &Equations<D>,
     at: &Linearization,
     conditions: &Conditions,
     set: &[RowState],
-    yielding: f64,
+    compliance_ratio: f64,
     proximal: Option<&[f64]>,
 ) -> ConstraintRows {
     let mut rows = ConstraintRows::open(equations.multipliers);
     for (pair, evaluation) in pairs_at(equations, at) {
         for row in pair.rows.clone().filter(|&row| set[row].is_closed()) {
             let mut at_iterate = conditions.row(pair, row, evaluation.gap[row - pair.rows.start], at.lambda[row]);
-            at_iterate.compliance = conditions.eased(row, yielding);
+            at_iterate.compliance = conditions.compliance_at(row, compliance_ratio);
             rows.0[row] = match &pair.reaction {
                 Some(reaction) => reaction.equation(&at.lambda, conditions.stiffness[row]),
                 None => pair.law.equation(&at_iterate),
@@ -218,10 +218,10 @@ pub fn constraint_rows<const D: usize>(
     let held = rows_of_nodes(equations, set);
     for place in slips_at(equations, at).filter(|place| set[place.rows.start].acts()) {
         let (mut group, first) = (place.at(conditions, at), place.rows.start);
-        group.set_compliance(conditions.eased(first, yielding) + proximal.map_or(0.0, |terms| terms[first]));
+        group.set_compliance(conditions.compliance_at(first, compliance_ratio) + proximal.map_or(0.0, |terms| terms[first]));
         // Overconstrained node: sticking constraints are compliant until the multipliers are found.
         if place.pair.node_of(first).is_some_and(|node| held[&node] > equations.supports.free_components::<D>(node)) {
-            group.raise_compliance(yielding / (tolerances::SHARED_AUGMENTATION * conditions.stiffness[first]));
+            group.raise_compliance(compliance_ratio / (tolerances::SHARED_AUGMENTATION * conditions.stiffness[first]));
         }
         for (row, equation) in place.rows.zip(group.equations(set[first])) {
             rows.0[row] = equation;
@@ -246,5 +246,5 @@ fn rows_of_nodes<const D: usize>(equations: &Equations<D>, set: &[RowState]) -> 
 
 /// First state of tangential constraints in an iteration, by the state of the normal constraint: inactive without pressure.
 pub fn first_state(place: &SlipPlace, conditions: &Conditions, at: &Linearization, set: &[RowState]) -> RowState {
-    if place.exists && set[place.pressing].is_closed() { place.at(conditions, at).first_state() } else { RowState::Open }
+    if place.exists && set[place.normal_row].is_closed() { place.at(conditions, at).first_state() } else { RowState::Open }
 }

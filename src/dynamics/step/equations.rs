@@ -45,7 +45,7 @@ pub struct Equations<const D: usize> {
     /// Number of constraints of all pairs, normal ones before tangential ones.
     pub multipliers: usize,
     /// Number of normal constraints.
-    pub pressing: usize,
+    pub normal_count: usize,
     /// True for each redundant constraint of ties, which depends on other constraints and on supports and is excluded from every step.
     pub redundant: Vec<bool>,
     /// Threads for sums over cells.
@@ -203,13 +203,13 @@ impl<const D: usize> Equations<D> {
 
     /// Normal constraint of a tangential constraint.
     pub fn pressing_row(&self, slip: usize) -> usize {
-        self.tangential_at(slip, |pair, friction| pair.rows.start + friction.pressing(slip))
+        self.tangential_at(slip, |pair, friction| pair.rows.start + friction.normal_row(slip))
             .expect("every tangential row belongs to a pair")
     }
 
     /// Constraints that change their state together: a single normal one, or all tangential ones of one normal constraint.
     pub fn group_of(&self, row: usize) -> Range<usize> {
-        self.tangential_at(row, |_, friction| friction.group(friction.pressing(row))).unwrap_or(row..row + 1)
+        self.tangential_at(row, |_, friction| friction.group(friction.normal_row(row))).unwrap_or(row..row + 1)
     }
 
     /// Other tangential constraints of the group of `slip`, from the next one on and around.

@@ -63,7 +63,7 @@ pub struct ImpactSolution {
     /// Impulses of the constraints.
     pub impulses: Vec<f64>,
     /// Work of the normal impulses `[energy]`: negative in compression.
-    pub pressing: f64,
+    pub normal_work: f64,
     /// Work of friction of each contact `[energy]`, never positive.
     pub friction: Vec<f64>,
 }
@@ -83,7 +83,7 @@ impl ImpactLaw {
 
     /// State of an impact before its compression, with the given rates.
     pub fn before(&self, rates: Vec<f64>) -> ImpactSolution {
-        ImpactSolution { impulses: vec![0.0; rates.len()], friction: vec![0.0; self.contacts.len()], pressing: 0.0, rates }
+        ImpactSolution { impulses: vec![0.0; rates.len()], friction: vec![0.0; self.contacts.len()], normal_work: 0.0, rates }
     }
 
     /// Adds the change `W p` by the impulses `p` to the rates.
@@ -129,7 +129,7 @@ impl ImpactLaw {
                 let work = |row: usize| 0.5 * impulses[row] * (course.rates[row] + rates[row]);
                 let straight = (contact.first + 1..=contact.first + contact.tangents).map(work).sum::<f64>();
                 let slipped = self.work_to_a_stop(contact, &course.rates, &rates, &impulses).unwrap_or(straight);
-                course.pressing += work(contact.first) + straight - slipped;
+                course.normal_work += work(contact.first) + straight - slipped;
                 *friction += slipped;
             }
             course.impulses.iter_mut().zip(&impulses).for_each(|(sum, p)| *sum += p);
@@ -263,14 +263,14 @@ impl Block {
     }
 
     /// Normal impulse for tangential impulses `along` relative to it.
-    fn pressing(&self, along: [f64; 2]) -> f64 {
+    fn normal_impulse(&self, along: [f64; 2]) -> f64 {
         let slope = self.response[0][0] + (1..self.rows).map(|j| self.response[0][j] * along[j - 1]).sum::<f64>();
         if slope > 0.0 { ((self.target - self.free[0]) / slope).max(self.least) } else { self.least }
     }
 
     fn solve(&self) -> [f64; 3] {
         if self.rows == 1 || self.friction == 0.0 {
-            return [self.pressing([0.0; 2]), 0.0, 0.0];
+            return [self.normal_impulse([0.0; 2]), 0.0, 0.0];
         }
         let stuck = self.stuck();
         let most = self.friction * stuck[0];
@@ -305,16 +305,16 @@ impl Block {
         let (a, b) = (solve([-self.free[1], -self.free[2]]), solve([-t[1][0], -t[2][0]]));
         let of = |along: [f64; 2]| t[0][1] * along[0] + t[0][2] * along[1];
         let (slope, free) = (t[0][0] + of(b), self.free[0] + of(a));
-        let pressing = if slope > 0.0 { ((self.target - free) / slope).max(self.least) } else { self.least };
-        [pressing, a[0] + b[0] * pressing, a[1] + b[1] * pressing]
+        let normal = if slope > 0.0 { ((self.target - free) / slope).max(self.least) } else { self.least };
+        [normal, a[0] + b[0] * normal, a[1] + b[1] * normal]
     }
 
     /// Impulses of a contact that slips, from those that would make it stick.
     fn slid(&self, stuck: &[f64; 3]) -> [f64; 3] {
         if self.rows == 2 {
             let against = |sense: f64| {
-                let pressing = self.pressing([sense * self.friction, 0.0]);
-                [pressing, sense * self.friction * pressing, 0.0]
+                let normal = self.normal_impulse([sense * self.friction, 0.0]);
+                [normal, sense * self.friction * normal, 0.0]
             };
             let (first, second) = (against(stuck[1].signum()), against(-stuck[1].signum()));
             let loses = |p: &[f64; 3]| p[1] * self.rate(1, p) <= 0.0;
@@ -328,7 +328,7 @@ impl Block {
         let mut along = unit([stuck[1], stuck[2]]);
         let mut p = [0.0; 3];
         for _ in 0..DIRECTIONS {
-            p[0] = self.pressing(along.map(|x| self.friction * x));
+            p[0] = self.normal_impulse(along.map(|x| self.friction * x));
             (1..3).for_each(|i| p[i] = self.friction * p[0] * along[i - 1]);
             // Fixed-point iteration for the slip direction: the isotropic part of the response does not change the direction and is
             // removed.

@@ -67,9 +67,9 @@ where
         let mut rows = ConstraintRows::held(hold);
         let mut given: Vec<f64> = hold.iter().zip(rate).map(|(hold, rate)| if *hold { *rate } else { 0.0 }).collect();
         for pair in &self.pairs {
-            for (row, pressing) in pair.tangential().filter(|(row, _)| ratios[*row] != 0.0) {
+            for (row, normal_row) in pair.tangential().filter(|(row, _)| ratios[*row] != 0.0) {
                 rows.0[row] = Equation { acts: true, normal: -ratios[row], ..Equation::OPEN };
-                given[row] = scale * ratios[row] * lambda[pressing];
+                given[row] = scale * ratios[row] * lambda[normal_row];
             }
         }
         let matrix = self.end_matrix(evaluated, &rows, scale, values);

@@ -3,15 +3,15 @@
 use std::collections::BTreeSet;
 use std::sync::OnceLock;
 
-use crate::bodies::{BodyCells, Elements, Frame, Inverted, Plane, RigidMass, Space, nodal_areas};
+use crate::bodies::{BarycentricMap, BodyCells, Elements, Inverted, Plane, RigidMass, Space, nodal_areas};
 use crate::dynamics::model::definitions::{BodyDefinition, LoadKind, Model};
 use crate::dynamics::model::error::ModelError;
 use crate::dynamics::model::growth::unsound;
 use crate::dynamics::model::part::Part;
 use crate::dynamics::parts::body::Body;
-use crate::dynamics::parts::carried::RigidBody;
 use crate::dynamics::parts::loads::NodalLoad;
 use crate::dynamics::parts::rigid_bodies::used_nodes;
+use crate::dynamics::parts::rigid_body::RigidBody;
 use crate::integrators::{Lumping, Scheme};
 use crate::linear::{Block, NodeMatrix, Pattern};
 
@@ -27,7 +27,7 @@ pub fn deformable(model: &Model) -> impl Iterator<Item = (usize, &BodyDefinition
     model.bodies.iter().enumerate().filter(|(_, body)| body.rigid.is_none())
 }
 
-/// Divides the carried nodes of rigid bodies into loaded nodes and followers; returns the followers.
+/// Divides the dependent nodes of rigid bodies into loaded nodes and followers; returns the followers.
 pub(super) fn part_followers<const D: usize>(
     model: &Model,
     bodies: &mut [Body<D>],
@@ -40,10 +40,10 @@ pub(super) fn part_followers<const D: usize>(
     let mut followers = BTreeSet::new();
     for body in bodies {
         let (Some(rigid), Some(inertia)) = (&mut body.rigid, &model.bodies[body.number].rigid) else { continue };
-        let RigidBody { carried, followers: own, .. } = rigid;
-        own.retain(|&index| !used.contains(&carried[index].0));
-        followers.extend(own.iter().map(|&index| carried[index].0));
-        let tied: Vec<&(u32, Vec<f64>)> = carried.iter().filter(|(node, _)| used.contains(node)).collect();
+        let RigidBody { dependents, followers: own, .. } = rigid;
+        own.retain(|&index| !used.contains(&dependents[index].0));
+        followers.extend(own.iter().map(|&index| dependents[index].0));
+        let tied: Vec<&(u32, Vec<f64>)> = dependents.iter().filter(|(node, _)| used.contains(node)).collect();
         if !tied.is_empty() {
             let mass = RigidMass::new(&model.bodies[body.number].mesh, &rigid.frame, inertia, body.nodes.start);
             body.elements = Box::new(mass.tied_to(tied.into_iter()));
@@ -60,7 +60,7 @@ where
     let (mut bodies, mut reference): (Vec<Body<D>>, Vec<f64>) = (Vec::new(), Vec::new());
     for (number, body) in model.bodies.iter().enumerate() {
         let first = reference.len() / D;
-        let frame = body.rigid.as_ref().and_then(|inertia| Some((inertia, Frame::new(&body.mesh)?)));
+        let frame = body.rigid.as_ref().and_then(|inertia| Some((inertia, BarycentricMap::new(&body.mesh)?)));
         let cells = BodyCells {
             first_node: first,
             averages_stress: integrator.averages_stress,

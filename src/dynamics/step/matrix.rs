@@ -89,7 +89,7 @@ pub fn pattern_of<'a, const D: usize>(
     let nodes = fixed.len() / D;
     let mut vertices = vec![Vertex::coordinates(D as u8); nodes];
     vertices.resize(nodes + multipliers, Vertex::multipliers(1));
-    // In the plane, scaling for carried nodes has no effect: few constraints act on one body.
+    // In the plane, scaling for dependent nodes has no effect: few constraints act on one body.
     for pair in pairs.iter().filter(|pair| D == 3 && pair.kind == PairKind::Rigidity) {
         pair.kernel.row_nodes().iter().for_each(|&node| vertices[node as usize] = Vertex::carried(D as u8));
     }

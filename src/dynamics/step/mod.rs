@@ -26,7 +26,7 @@ pub mod matrix;
 pub mod newton;
 pub mod predictor;
 pub mod redundancy;
-pub mod scheme_memory;
+pub mod scheme_history;
 pub mod search_history;
 pub mod start;
 pub mod system;

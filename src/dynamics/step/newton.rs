@@ -134,7 +134,7 @@ where
 pub(super) type Increment = (Vec<f64>, Vec<f64>);
 
 /// Reduction of the tangential compliance of overconstrained nodes per iteration; a constant compliance needs tens of iterations.
-const STIFFER: f64 = 4.0;
+const COMPLIANCE_REDUCTION: f64 = 4.0;
 
 /// State of an attempt.
 pub(super) struct Attempt<'a, const D: usize> {
@@ -157,7 +157,7 @@ pub(super) struct Attempt<'a, const D: usize> {
     /// True if an active set solved the last linearization with a proximal term, which shortens the increment.
     pub(super) is_damped: bool,
     /// Tangential compliance of overconstrained nodes relative to its first value; decreases while the active set stays.
-    pub(super) yielding: f64,
+    pub(super) compliance_ratio: f64,
 }
 
 /// Solves one step with one strategy; `trace` records the iterations.
@@ -189,7 +189,7 @@ where
         proximal: None,
         is_dependent: false,
         is_damped: false,
-        yielding: 1.0,
+        compliance_ratio: 1.0,
         system,
         task,
     };
@@ -218,13 +218,17 @@ where
         (increment, new_lambda) = match strategy {
             Strategy::InnerLoop => attempt.finish_set(&mut at, &mut set)?,
             Strategy::Backtracking => {
-                let rows = constraint_rows(attempt.system, &at, task.conditions, &set, attempt.yielding, None);
+                let rows = constraint_rows(attempt.system, &at, task.conditions, &set, attempt.compliance_ratio, None);
                 attempt.system.solve(task.start, &mut at, &rows)?
             }
         };
         record.changed = (0..set.len()).filter(|&row| set[row] != attempt.active[row]).collect();
         record.active = set.iter().filter(|row| row.is_closed()).count();
-        attempt.yielding = if record.changed.is_empty() { (attempt.yielding / STIFFER).max(tolerances::LEAST_YIELDING) } else { 1.0 };
+        attempt.compliance_ratio = if record.changed.is_empty() {
+            (attempt.compliance_ratio / COMPLIANCE_REDUCTION).max(tolerances::LEAST_STICKING_COMPLIANCE_RATIO)
+        } else {
+            1.0
+        };
         attempt.active = set;
         attempt.adapt_limit(trace.iterations.last(), &record);
         trace.iterations.push(record);
@@ -242,9 +246,9 @@ where
     /// Solution at an iterate. Penalty constraints are part of every active set: those without pressure count as inactive.
     fn solution(&self, at: Linearization) -> Solution {
         let mut active = starting_set(self.system, &at, self.task.conditions, &self.dropped);
-        let pressing = active.iter_mut().zip(&at.lambda).take(self.system.pressing);
-        pressing.filter(|(_, lambda)| **lambda == 0.0).for_each(|(row, _)| *row = RowState::Open);
-        let idle = slips_at(self.system, &at).filter(|place| !active[place.pressing].is_closed());
+        let normal = active.iter_mut().zip(&at.lambda).take(self.system.normal_count);
+        normal.filter(|(_, lambda)| **lambda == 0.0).for_each(|(row, _)| *row = RowState::Open);
+        let idle = slips_at(self.system, &at).filter(|place| !active[place.normal_row].is_closed());
         let idle: Vec<usize> = idle.flat_map(|place| place.rows).collect();
         idle.into_iter().for_each(|row| active[row] = RowState::Open);
         Solution { at, active, preferred: PreferredAttempt::default() }

@@ -1,6 +1,6 @@
 //! Initial values of a step, and the term that balances its forces: inertia, or damping at rest.
 
-use super::scheme_memory::SchemeMemory;
+use super::scheme_history::SchemeHistory;
 use crate::dynamics::model::part::{Iterate, Pose};
 use crate::dynamics::parts::force_shares::ForceShares;
 use crate::dynamics::parts::supports::PrescribedUnknown;
@@ -43,7 +43,7 @@ pub struct Motion<'a> {
     /// Velocities at the start.
     pub v_0: &'a [f64],
     /// History variables of the scheme.
-    pub remembered: &'a SchemeMemory,
+    pub scheme_history: &'a SchemeHistory,
     /// Velocities of the prescribed unknowns at the end of the step, in their order.
     pub prescribed_v_1: &'a [f64],
 }
@@ -243,13 +243,13 @@ impl Motion<'_> {
 
     /// Weighted force history of earlier steps in this step; empty if the scheme has none.
     pub fn remembered_force(&self) -> impl Iterator<Item = f64> {
-        let force = if self.scheme.remembers(History::Force) { &self.remembered.force.left[..] } else { &[] };
+        let force = if self.scheme.remembers(History::Force) { &self.scheme_history.force.left[..] } else { &[] };
         force.iter().map(|force| self.scheme.lag.used * force)
     }
 
     /// Accelerations at the start; empty for a scheme without accelerations as history variables.
     fn accelerations(&self) -> &[f64] {
-        if self.scheme.remembers(History::Acceleration) { &self.remembered.acceleration } else { &[] }
+        if self.scheme.remembers(History::Acceleration) { &self.scheme_history.acceleration } else { &[] }
     }
 
     fn affine_into(&self, row: UpdateCoefficients, moved: &[f64], out: &mut Vec<f64>) {

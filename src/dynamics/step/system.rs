@@ -98,9 +98,9 @@ where
         if !integrator.solves_impacts() {
             pairs.iter_mut().for_each(|pair| pair.restitution = None);
         }
-        let pressing = pairs.last().map_or(0, |pair| pair.rows.end);
+        let normal_count = pairs.last().map_or(0, |pair| pair.rows.end);
         let multipliers =
-            pairs.iter().filter_map(|pair| pair.friction.as_ref()).map(|friction| friction.rows.end).fold(pressing, usize::max);
+            pairs.iter().filter_map(|pair| pair.friction.as_ref()).map(|friction| friction.rows.end).fold(normal_count, usize::max);
         let (mut masses, count): (Vec<(u32, f64)>, _) = (others.iter().flat_map(|part| part.point_masses()).collect(), reference.len() / D);
         // Bodies and loads have forces without places in a matrix, other parts may not.
         let has_matrix = lumping.is_none() || !others.is_empty();
@@ -130,7 +130,7 @@ where
             point_masses: masses.into_iter().map(|(node, mass)| PointInertia { node, mass, place: Block::default() }).collect(),
             pairs,
             multipliers,
-            pressing,
+            normal_count,
             redundant: vec![false; multipliers],
             workers,
         };

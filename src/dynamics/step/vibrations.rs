@@ -230,7 +230,7 @@ where
             }
         }
         for (row, _) in system.pairs.iter().flat_map(ContactPair::tangential) {
-            if active[row].is_closed() && !at.held[row - system.pressing] {
+            if active[row].is_closed() && !at.held[row - system.normal_count] {
                 rows.0[row] = Equation::held(0.0, 0.0);
             }
         }

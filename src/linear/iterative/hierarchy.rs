@@ -8,7 +8,7 @@
 use super::aggregation::{NONE, aggregates, tentative};
 use super::blocks::{Block, BlockMatrix, TOGETHER, add_product, frobenius, in_parts};
 use super::coarsest::Coarsest;
-use super::smoother::{Smoother, Start};
+use super::smoother::{InitialGuess, Smoother};
 use crate::math::workers::Workers;
 
 /// Numerator of the damping `omega` of the prolongation smoother, over the largest eigenvalue of `D^-1 A`: the best for model problems.
@@ -152,7 +152,7 @@ impl<const N: usize, const M: usize> Level<N, M> {
     fn descend(&mut self, workers: &Workers) -> Vec<[f64; M]> {
         let Level { matrix, smoother, restriction, vectors: [b, x, r, d], coarse, .. } = self;
         x.fill([0.0; N]);
-        smoother.smooth(matrix, b, x, [r, d], Start::Zero, workers);
+        smoother.smooth(matrix, b, x, [r, d], InitialGuess::Zero, workers);
         matrix.multiply(-1.0, x, b, r, workers);
         coarse.fill([0.0; M]);
         let mut right = vec![[0.0; M]; coarse.len()];
@@ -165,7 +165,7 @@ impl<const N: usize, const M: usize> Level<N, M> {
         let Level { matrix, smoother, prolongation, vectors: [b, x, r, d], .. } = self;
         prolongation.multiply(1.0, correction, x, r, workers);
         std::mem::swap(x, r);
-        smoother.smooth(matrix, b, x, [r, d], Start::Solution, workers);
+        smoother.smooth(matrix, b, x, [r, d], InitialGuess::Solution, workers);
     }
 }
 

@@ -21,7 +21,7 @@ const PART: usize = 4096;
 
 /// Initial vector of a smoothing.
 #[derive(Clone, Copy, PartialEq)]
-pub(super) enum Start {
+pub(super) enum InitialGuess {
     /// Zero vector, whose residual is the right-hand side.
     Zero,
     /// Approximate solution.
@@ -44,7 +44,7 @@ impl<const N: usize> Smoother<N> {
         let mut smoother = Smoother { inverse, largest: 1.0 };
         let rows = matrix.rows();
         let zero = vec![[0.0; N]; rows];
-        // Start vector with components in all directions.
+        // Initial vector with components in all directions.
         let mut x: Vec<[f64; N]> = (0..rows).map(|i| std::array::from_fn(|k| 0.5 + ((N * i + k) as f64 * 1.7).sin())).collect();
         let mut image = zero.clone();
         for _ in 0..POWERS {
@@ -70,7 +70,7 @@ impl<const N: usize> Smoother<N> {
         });
     }
 
-    /// Smooths the approximate solution `x` for the right-hand side `b`; with [`Start::Zero`], `x` is zero. `r` and `d` are scratch
+    /// Smooths the approximate solution `x` for the right-hand side `b`; with [`InitialGuess::Zero`], `x` is zero. `r` and `d` are scratch
     /// vectors.
     pub fn smooth(
         &self,
@@ -78,14 +78,14 @@ impl<const N: usize> Smoother<N> {
         b: &[[f64; N]],
         x: &mut [[f64; N]],
         [r, d]: [&mut Vec<[f64; N]>; 2],
-        start: Start,
+        start: InitialGuess,
         workers: &Workers,
     ) {
         let (middle, half) = (0.5 * self.largest * (1.0 + 1.0 / RATIO), 0.5 * self.largest * (1.0 - 1.0 / RATIO));
         let sigma = middle / half;
         let mut rho = 1.0 / sigma;
         for step in 0..DEGREE {
-            if step == 0 && start == Start::Zero {
+            if step == 0 && start == InitialGuess::Zero {
                 r.copy_from_slice(b);
             } else {
                 matrix.multiply(-1.0, x, b, r, workers);

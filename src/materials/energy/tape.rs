@@ -56,14 +56,14 @@ enum Operation {
 /// Root of a stage: register and factor of its deviation (`None` for a constant), and its value at zero strain.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Root {
-    place: Option<Place>,
+    place: Option<ScaledRegister>,
     /// Value at zero strain.
     pub(super) rest: f64,
 }
 
 /// A factor times a register.
 #[derive(Clone, Copy, Debug)]
-struct Place {
+struct ScaledRegister {
     factor: f64,
     register: Register,
 }
@@ -156,17 +156,17 @@ struct Lowering<'a> {
     graph: &'a Graph,
     variables: &'a [Variable],
     tape: Tape,
-    places: Vec<Option<Place>>,
+    places: Vec<Option<ScaledRegister>>,
 }
 
 impl Lowering<'_> {
-    fn push(&mut self, operation: Operation, rest: f64) -> Place {
+    fn push(&mut self, operation: Operation, rest: f64) -> ScaledRegister {
         self.tape.operations.push(operation);
         self.tape.rest.push(rest);
-        Place { factor: 1.0, register: self.tape.registers() - 1 }
+        ScaledRegister { factor: 1.0, register: self.tape.registers() - 1 }
     }
 
-    fn place(&self, id: Id) -> Place {
+    fn place(&self, id: Id) -> ScaledRegister {
         self.places[id].expect("parts stand before what is made of them, and constants are folded")
     }
 
@@ -185,7 +185,7 @@ impl Lowering<'_> {
         self.graph.node(id) == Node::Variable(Variable::J)
     }
 
-    fn sum(&mut self, a: Id, b: Id, rest: f64) -> Place {
+    fn sum(&mut self, a: Id, b: Id, rest: f64) -> ScaledRegister {
         // A constant operand does not change the deviation of a sum.
         if self.graph.as_constant(a).is_some() {
             return self.place(b);
@@ -204,19 +204,19 @@ impl Lowering<'_> {
         self.push(operation, rest)
     }
 
-    fn lower(&mut self, id: Id) -> Option<Place> {
+    fn lower(&mut self, id: Id) -> Option<ScaledRegister> {
         let rest = self.graph.rest(id);
         let operation = match self.graph.node(id) {
             Node::Constant(_) => return None,
             Node::Variable(variable) => {
                 let register = self.variables.iter().position(|known| *known == variable)?;
-                return Some(Place { factor: 1.0, register });
+                return Some(ScaledRegister { factor: 1.0, register });
             }
-            Node::Reciprocal(a) if self.is_volume(a) => return Some(Place { factor: 1.0, register: self.variables.len() }),
+            Node::Reciprocal(a) if self.is_volume(a) => return Some(ScaledRegister { factor: 1.0, register: self.variables.len() }),
             Node::Sum(a, b) => return Some(self.sum(a, b, rest)),
             Node::Scaled(factor, a) => {
                 let place = self.place(a);
-                return Some(Place { factor: place.factor * factor.value(), ..place });
+                return Some(ScaledRegister { factor: place.factor * factor.value(), ..place });
             }
             Node::Product(a, b) => Operation::Product(self.operand(a), self.operand(b)),
             Node::Reciprocal(a) => Operation::Reciprocal(self.operand(a)),

@@ -29,14 +29,14 @@ pub const LARGE_COMPLIANCE: f64 = 1e-5;
 /// Smallest ratio of a compliance above [`LARGE_COMPLIANCE`] to its initial value after decreases. With a ratio of 1, errors of the
 /// multipliers of an arch of 25 rigid stones decrease by 0.7 per iteration; with 0.1, pressures under a flat rigid face are uniform to
 /// 1.2e-9 only.
-pub const LEAST_EASED: f64 = 0.25;
+pub const LEAST_REGULARIZATION_RATIO: f64 = 0.25;
 
 /// Augmentation of a sticking tangential constraint whose node is already fully constrained.
 pub const SHARED_AUGMENTATION: f64 = 100.0;
 
 /// Smallest ratio of the tangential compliance of a sticking constraint at a fully constrained node to its initial value, while the active
 /// set is unchanged; with zero compliance the constraints would be linearly dependent.
-pub const LEAST_YIELDING: f64 = 1e-4;
+pub const LEAST_STICKING_COMPLIANCE_RATIO: f64 = 1e-4;
 
 /// Change of a gap in a Gauss-Seidel sweep over the contact constraints of an explicit step, relative to the largest gap to be closed,
 /// below which the sweeps end; the next step corrects the rest.

@@ -9,7 +9,7 @@ use super::sets::{attach_node_sets, attach_surfaces, free_name};
 use super::tables::{Elements, Shape, Tables};
 use crate::elements::CellKind;
 use crate::math::tolerances::PLANE;
-use crate::mesh::file_error::{FileError, FileProblem, Place};
+use crate::mesh::file_error::{FileError, FilePosition, FileProblem};
 use crate::mesh::topology::{FacetKey, facet_key};
 use crate::mesh::{Boundary, Facet, Mesh, MeshError};
 
@@ -88,7 +88,7 @@ fn settle_structural(tables: &mut Tables, options: &ReadOptions) -> Result<(), M
 }
 
 /// Tables after elements that are neither cells nor facets were counted as left out; an error if the options refuse such elements.
-fn leave_out_strays(mut tables: Tables, strays: &[(Shape, Place)], options: &ReadOptions) -> Result<Tables, MeshError> {
+fn leave_out_strays(mut tables: Tables, strays: &[(Shape, FilePosition)], options: &ReadOptions) -> Result<Tables, MeshError> {
     strays.iter().for_each(|&(shape, at)| tables.leave_out(shape, 1, at));
     match tables.left_out.iter().next() {
         Some((name, &(count, at))) if options.structural == Structural::Refused => {
@@ -109,7 +109,7 @@ fn kinds_of(tables: &Tables) -> Result<Vec<CellKind>, MeshError> {
     let dimension = if kinds(3).next().is_some() { 3 } else { 2 };
     let Some((kind, most)) = kinds(dimension).max_by_key(|(_, elements)| elements.numbers.len()) else {
         let lines = tables.elements.iter().filter(|(shape, _)| shape.dimension() == 1).map(|(_, elements)| elements.numbers.len()).sum();
-        let at = tables.elements_begin.unwrap_or(Place::Line(1));
+        let at = tables.elements_begin.unwrap_or(FilePosition::Line(1));
         return Err(FileError { at, problem: FileProblem::NoCells { lines } }.into());
     };
     match kinds(dimension).find(|(other, _)| other.is_quadratic() != kind.is_quadratic()) {
@@ -125,7 +125,7 @@ fn kinds_of(tables: &Tables) -> Result<Vec<CellKind>, MeshError> {
 /// Origin of a cell in the file.
 struct Origin {
     number: u64,
-    at: Place,
+    at: FilePosition,
 }
 
 /// Sorted corners of a cell, padded.
@@ -211,7 +211,7 @@ fn facet_elements<'a>(mesh: &Mesh, tables: &'a Tables, numbering: &Numbering) ->
 
 /// Adds boundaries from the elements one dimension below the cells, in the order of the file; returns elements that are neither cells nor
 /// facets.
-fn attach_boundaries(mesh: &mut Mesh, tables: &Tables, numbering: &Numbering) -> Result<Vec<(Shape, Place)>, MeshError> {
+fn attach_boundaries(mesh: &mut Mesh, tables: &Tables, numbering: &Numbering) -> Result<Vec<(Shape, FilePosition)>, MeshError> {
     let elements = facet_elements(mesh, tables, numbering)?;
     let mut sides: HashMap<FacetKey, [Option<Facet>; 2]> = elements.iter().map(|element| (element.key, [None; 2])).collect();
     let mut strays = Vec::new();

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use super::read::read_mesh_bytes;
 use crate::mesh::file_error::FileProblem::*;
-use crate::mesh::file_error::{FileError, FileProblem, Place};
+use crate::mesh::file_error::{FileError, FilePosition, FileProblem};
 use crate::mesh::{Boundary, Facet, MeshError, block, rectangle};
 
 /// Two unit squares side by side with a boundary below, in binary.
@@ -113,7 +113,10 @@ fn every_cut_and_every_flipped_byte_of_a_binary_file_ends_well() {
         for end in 0..content.len() - 1 {
             let error = read_mesh_bytes(&content[..end]).expect_err("cut");
             let place = error.place().unwrap_or_else(|| panic!("{error}"));
-            assert!(matches!(place, Place::Line(_)) || matches!(place, Place::Byte(byte) if byte <= end), "{error} {place:?} of {end}");
+            assert!(
+                matches!(place, FilePosition::Line(_)) || matches!(place, FilePosition::Byte(byte) if byte <= end),
+                "{error} {place:?} of {end}"
+            );
             assert!(!error.hint().is_empty());
         }
         for place in 0..content.len() {
@@ -138,8 +141,8 @@ fn places_in_binary_files_are_bytes() {
     assert_eq!(read_mesh_bytes(&nan).unwrap_err().offset(), Some(nodes));
     let mut twice = content.clone();
     twice[nodes + 28] = 1;
-    let problem = DuplicateNode { node: 1, first: Place::Byte(nodes) };
-    assert_eq!(read_mesh_bytes(&twice).unwrap_err(), FileError { at: Place::Byte(nodes + 28), problem }.into());
+    let problem = DuplicateNode { node: 1, first: FilePosition::Byte(nodes) };
+    assert_eq!(read_mesh_bytes(&twice).unwrap_err(), FileError { at: FilePosition::Byte(nodes + 28), problem }.into());
     assert_eq!(read_mesh_bytes(&twice).unwrap_err().to_string(), format!("node 1 is there twice, first at byte {nodes}"));
 }
 
@@ -277,7 +280,7 @@ fn refused(from: &str, to: &str) -> (String, FileProblem) {
     assert!(SQUARES.contains(from), "{from}");
     let text = SQUARES.replacen(from, to, 1);
     match read_mesh_bytes(text.as_bytes()).expect_err(to) {
-        MeshError::File(FileError { at: Place::Line(line), problem }) => {
+        MeshError::File(FileError { at: FilePosition::Line(line), problem }) => {
             assert!(!problem.hint().is_empty());
             (text.lines().nth(line - 1).unwrap().to_string(), problem)
         }
@@ -314,11 +317,11 @@ fn what_is_wrong_with_an_input_file_is_said_with_its_line() {
     assert_eq!(problem("type=CPE4R, ", "", "*Element, elset=Left"), missing("ELEMENT", "TYPE"));
     assert_eq!(problem(", ELSET=again", "", "*ELSET"), missing("ELSET", "ELSET"));
     assert!(matches!(problem("4, 0., 1.", "4, 0., nan", "4, 0., nan"), Coordinate { node: 4, .. }));
-    assert!(matches!(problem("4, 0., 1.", "5, 0., 1.", "5, 1., 1."), DuplicateNode { node: 5, first: Place::Line(_) }));
+    assert!(matches!(problem("4, 0., 1.", "5, 0., 1.", "5, 1., 1."), DuplicateNode { node: 5, first: FilePosition::Line(_) }));
     for ended in [" 5,\n", " 5\n"] {
         assert_eq!(problem(" 5, 4\n", ended, "10, 1, 2,"), FewNodes { element: 10, found: 3, nodes: 4 });
     }
-    assert!(matches!(problem(" 20, 2", " 10, 2", "10, 2, 3, 6, 5"), DuplicateElement { element: 10, first: Place::Line(_) }));
+    assert!(matches!(problem(" 20, 2", " 10, 2", "10, 2, 3, 6, 5"), DuplicateElement { element: 10, first: FilePosition::Line(_) }));
     assert_eq!(problem(" 20, 2, 3,", " 20, 2, 9,", "20, 2, 9, 6, 5"), MissingNode { element: 20, node: 9 });
     let unknown = UnknownSet { kind: "element set", name: "wrong".into() };
     assert_eq!(problem("left, RIGHT", "left, wrong", "*ELSET, ELSET=again"), unknown);
@@ -328,7 +331,7 @@ fn what_is_wrong_with_an_input_file_is_said_with_its_line() {
     assert!(matches!(problem("20, S2", "21, S2", "21, S2"), UnknownMember { number: 21, .. }));
     let nodes_only = "*NODE\n1, 0., 0.\n";
     let error = read_mesh_bytes(nodes_only.as_bytes()).unwrap_err();
-    assert_eq!(error, FileError { at: Place::Line(2), problem: MissingSection { section: "*ELEMENT" } }.into());
+    assert_eq!(error, FileError { at: FilePosition::Line(2), problem: MissingSection { section: "*ELEMENT" } }.into());
     // A set that contains itself has its other members only, and a range takes no memory for its numbers.
     let text = SQUARES.replace("left, RIGHT", "left, again").replace("1, 3\n", "1, 18446744073709551615\n");
     assert_eq!(read_mesh_bytes(text.as_bytes()).unwrap().parts[3].1, [0]);

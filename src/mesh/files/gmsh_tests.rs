@@ -8,7 +8,7 @@ use proptest::sample::{Index, select};
 use super::read::{read_mesh, read_mesh_bytes};
 use crate::elements::CellKind;
 use crate::mesh::file_error::FileProblem::*;
-use crate::mesh::file_error::{FileError, FileProblem, Place};
+use crate::mesh::file_error::{FileError, FilePosition, FileProblem};
 use crate::mesh::{Boundary, Facet, Mesh, MeshError, block};
 
 /// Two unit squares side by side, named groups, a node and a point that no cell uses.
@@ -135,7 +135,7 @@ fn read_gmsh(text: &str) -> Result<Mesh, MeshError> {
 
 /// A problem in a line.
 fn in_line(line: usize, problem: FileProblem) -> MeshError {
-    FileError { at: Place::Line(line), problem }.into()
+    FileError { at: FilePosition::Line(line), problem }.into()
 }
 
 /// The problem of an error.
@@ -271,8 +271,8 @@ fn other_formats_are_recognized() {
     }
     assert_eq!(read_gmsh("$NOD\n1\n").unwrap_err(), in_line(1, Version { version: "1".into() }));
     assert_eq!(refusal(SQUARES_4, "4.1 0 8", "4 0 8"), in_line(2, Version { version: "4".into() }));
-    assert_eq!(refusal(SQUARES_4, "4.1 0 8", "4.1 1 8"), FileError { at: Place::Byte(20), problem: ByteOrder }.into());
-    assert_eq!(refusal(SQUARES_4, "4.1 0 8", "4.1 1 7"), FileError { at: Place::Byte(20), problem: NumberSize { bytes: 7 } }.into());
+    assert_eq!(refusal(SQUARES_4, "4.1 0 8", "4.1 1 8"), FileError { at: FilePosition::Byte(20), problem: ByteOrder }.into());
+    assert_eq!(refusal(SQUARES_4, "4.1 0 8", "4.1 1 7"), FileError { at: FilePosition::Byte(20), problem: NumberSize { bytes: 7 } }.into());
     let strange = read_mesh_bytes(b"$MeshFormat\n2.2 0 8\n$EndMeshFormat\n\xff").unwrap_err();
     assert_eq!(strange, in_line(4, NotText));
     assert!(read_mesh_bytes(SQUARES_2.as_bytes()).is_ok());
@@ -349,8 +349,8 @@ fn wrong_numbers_are_refused_in_their_line() {
     assert_eq!(nan.line(), Some(16));
     assert!(matches!(problem(nan), Coordinate { node: 15, value } if value.is_nan()));
     assert_eq!(refusal(SQUARES_4, "\n2 1 0\n$End", "\n2 -inf 0\n$End"), in_line(37, Coordinate { node: 16, value: f64::NEG_INFINITY }));
-    assert_eq!(refusal(SQUARES_2, "15 1 1 0", "14 1 1 0"), in_line(16, DuplicateNode { node: 14, first: Place::Line(15) }));
-    assert_eq!(refusal(SQUARES_2, "99 5 5", "16 5 5"), in_line(18, DuplicateNode { node: 16, first: Place::Line(17) }));
+    assert_eq!(refusal(SQUARES_2, "15 1 1 0", "14 1 1 0"), in_line(16, DuplicateNode { node: 14, first: FilePosition::Line(15) }));
+    assert_eq!(refusal(SQUARES_2, "99 5 5", "16 5 5"), in_line(18, DuplicateNode { node: 16, first: FilePosition::Line(17) }));
     assert_eq!(refusal(SQUARES_2, "2 3 16 15", "2 3 17 15"), in_line(28, MissingNode { element: 7, node: 17 }));
     let bow = Collapsed { element: 7, kind: "quad4", node: 2, smaller: vec!["tri3"] };
     assert_eq!(refusal(SQUARES_2, "2 3 16 15", "2 3 2 15"), in_line(28, bow));
@@ -391,7 +391,7 @@ fn clockwise_cells_are_reversed_and_crossed_ones_are_an_error_with_place_and_cur
     assert!(one.to_string().starts_with("cell 7 at (1.5, 0.5) is inside out: its Jacobian determinant is -"), "{one}");
     // A cell whose four nodes all lie on the line x = 1.
     let flat = refusal(&SQUARES_2.replace("3 2 0 0", "3 1 0.3 0"), "16 2 1 0", "16 1 0.6 0");
-    assert!(matches!(flat, MeshError::DegenerateCell { at: Some(Place::Line(28)), cell: 7, .. }), "{flat:?}");
+    assert!(matches!(flat, MeshError::DegenerateCell { at: Some(FilePosition::Line(28)), cell: 7, .. }), "{flat:?}");
 }
 
 #[test]
@@ -425,7 +425,7 @@ fn three_cells_on_one_facet_are_refused() {
         .replace("$Nodes\n7\n", "$Nodes\n9\n20 3 -1 0\n21 3 3 0\n")
         .replace("$EndElements", "8 3 2 2 2 2 20 21 15\n$EndElements");
     let error = read_gmsh(&text).unwrap_err();
-    assert_eq!(error, MeshError::CrowdedFacet { at: Some(Place::Line(29)), cell: 6, sharing: 3 });
+    assert_eq!(error, MeshError::CrowdedFacet { at: Some(FilePosition::Line(29)), cell: 6, sharing: 3 });
 }
 
 #[test]

@@ -9,7 +9,7 @@ use super::text::utf8;
 use super::words::{Words, malformed};
 use crate::elements::CellKind;
 use crate::mesh::MeshError;
-use crate::mesh::file_error::{FileError, FileProblem, Place};
+use crate::mesh::file_error::{FileError, FilePosition, FileProblem};
 
 /// Keywords of supported elements. Hexahedra have two spellings.
 const ELEMENTS: &[(&str, Shape)] = &[
@@ -78,11 +78,11 @@ pub(super) fn read(content: &[u8]) -> Result<Tables, MeshError> {
 }
 
 /// Error of a list that is cut off by the end of the file.
-fn ended(section: &str, begin: Place, found: usize, announced: usize, at: Place) -> MeshError {
+fn ended(section: &str, begin: FilePosition, found: usize, announced: usize, at: FilePosition) -> MeshError {
     FileError { at, problem: FileProblem::Truncated { section: section.into(), begin, found, announced } }.into()
 }
 
-fn vertices(words: &mut Words, tables: &mut Tables, dimension: usize, begin: Place) -> Result<(), MeshError> {
+fn vertices(words: &mut Words, tables: &mut Tables, dimension: usize, begin: FilePosition) -> Result<(), MeshError> {
     const EXPECTED: &str = "the coordinates of a vertex and its reference number";
     let count = words.number("the number of vertices")?;
     for index in 0..count {
@@ -100,7 +100,14 @@ fn vertices(words: &mut Words, tables: &mut Tables, dimension: usize, begin: Pla
     Ok(())
 }
 
-fn elements(words: &mut Words, tables: &mut Tables, section: &str, shape: Shape, number: &mut u64, begin: Place) -> Result<(), MeshError> {
+fn elements(
+    words: &mut Words,
+    tables: &mut Tables,
+    section: &str,
+    shape: Shape,
+    number: &mut u64,
+    begin: FilePosition,
+) -> Result<(), MeshError> {
     const EXPECTED: &str = "the vertices of an element and its reference number";
     tables.elements_begin.get_or_insert(begin);
     let count = words.number("the number of elements")?;

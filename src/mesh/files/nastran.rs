@@ -11,7 +11,7 @@ use super::text::utf8;
 use super::words::malformed;
 use crate::elements::CellKind;
 use crate::mesh::MeshError;
-use crate::mesh::file_error::{FileError, FileProblem, Place};
+use crate::mesh::file_error::{FileError, FilePosition, FileProblem};
 
 /// Cards of cells: prefix of the name, kinds of first and second order, and true for shells.
 const CELLS: &[(&str, CellKind, CellKind, bool)] = &[
@@ -59,13 +59,13 @@ pub(super) fn begins(content: &[u8]) -> bool {
 }
 
 /// First card of a set of constraints, and its ranges of nodes.
-type Held = (Place, Vec<(u64, u64)>);
+type Held = (FilePosition, Vec<(u64, u64)>);
 
 /// A card with its data fields.
 struct Card {
     name: String,
     fields: Vec<String>,
-    at: Place,
+    at: FilePosition,
 }
 
 impl Card {
@@ -129,7 +129,7 @@ fn each_card(text: &str, mut take: impl FnMut(Card) -> Result<(), MeshError>) ->
             last.iter_mut().for_each(|card| card.fields.extend_from_slice(&fields));
         } else {
             // `BEGIN BULK` and the lines before it are ignored like unknown cards.
-            let card = Card { name: name.trim_end_matches('*').trim().into(), fields, at: Place::Line(number) };
+            let card = Card { name: name.trim_end_matches('*').trim().into(), fields, at: FilePosition::Line(number) };
             last.replace(card).map_or(Ok(()), &mut take)?;
         }
     }

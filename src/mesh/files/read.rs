@@ -8,7 +8,7 @@ use super::options::{FileNote, Includes, ReadOptions};
 use super::text::format_of;
 use super::{abaqus, gmsh, medit, nastran, su2, universal, vtk};
 use crate::machine::files;
-use crate::mesh::file_error::{FileError, FileProblem, Place};
+use crate::mesh::file_error::{FileError, FilePosition, FileProblem};
 use crate::mesh::{Mesh, MeshError};
 
 /// Extensions of supported mesh files.
@@ -56,14 +56,14 @@ fn deck(content: &[u8], options: ReadOptions, includes: Includes) -> Result<Deck
 }
 
 fn other_format(found: &'static str) -> MeshError {
-    FileError { at: Place::Line(1), problem: FileProblem::OtherFormat { found } }.into()
+    FileError { at: FilePosition::Line(1), problem: FileProblem::OtherFormat { found } }.into()
 }
 
 /// Reads the bytes of the file at `path`.
 fn content_of(path: &Path) -> Result<Vec<u8>, MeshError> {
     files::read(path).map_err(|error| {
         let problem = FileProblem::Unreadable { path: path.into(), reason: error.to_string() };
-        FileError { at: Place::Line(1), problem }.into()
+        FileError { at: FilePosition::Line(1), problem }.into()
     })
 }
 

@@ -7,7 +7,7 @@ use super::text::utf8;
 use super::words::malformed;
 use crate::elements::CellKind;
 use crate::mesh::MeshError;
-use crate::mesh::file_error::{FileError, FileProblem, Place};
+use crate::mesh::file_error::{FileError, FilePosition, FileProblem};
 
 /// Lines with content and their numbers.
 struct Lines<'a>(Box<dyn Iterator<Item = (usize, &'a str)> + 'a>);
@@ -23,8 +23,8 @@ impl<'a> Lines<'a> {
         match self.0.next() {
             Some((line, content)) if !content.contains('=') => Ok((line, content)),
             other => {
-                let at = Place::Line(other.map_or(begin, |(line, _)| line));
-                let problem = FileProblem::Truncated { section: section.into(), begin: Place::Line(begin), found, announced };
+                let at = FilePosition::Line(other.map_or(begin, |(line, _)| line));
+                let problem = FileProblem::Truncated { section: section.into(), begin: FilePosition::Line(begin), found, announced };
                 Err(FileError { at, problem }.into())
             }
         }
@@ -42,7 +42,7 @@ pub(super) fn read(content: &[u8]) -> Result<Tables, MeshError> {
     let mut lines = Lines::new(utf8(content)?);
     let (mut tables, mut dimension, mut number) = (Tables::default(), 0, 0);
     while let Some((line, content)) = lines.0.next() {
-        let at = Place::Line(line);
+        let at = FilePosition::Line(line);
         let Some((keyword, value)) = content.split_once('=').map(|(keyword, value)| (keyword, value.trim())) else {
             return Err(malformed(at, "a keyword with its value, such as NELEM= 10", content));
         };
@@ -90,7 +90,7 @@ fn points(lines: &mut Lines, tables: &mut Tables, dimension: usize, count: usize
     const EXPECTED: &str = "the coordinates of a point";
     for index in 0..count {
         let (line, content) = lines.of_section("NPOIN", begin, index, count)?;
-        let at = Place::Line(line);
+        let at = FilePosition::Line(line);
         let (mut point, mut words) = ([0.0; 3], content.split_ascii_whitespace());
         for x in &mut point[..dimension] {
             *x = words.next().and_then(|word| word.parse().ok()).ok_or_else(|| malformed(at, EXPECTED, content))?;
@@ -111,7 +111,7 @@ fn elements(
     const EXPECTED: &str = "the type of an element and its points";
     for index in 0..count {
         let (line, content) = lines.of_section(section, begin, index, count)?;
-        let at = Place::Line(line);
+        let at = FilePosition::Line(line);
         let mut words = content.split_ascii_whitespace().map(str::parse::<u64>);
         let Some(Ok(vtk_type)) = words.next() else { return Err(malformed(at, EXPECTED, content)) };
         let shape = match vtk_type {

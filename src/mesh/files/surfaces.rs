@@ -8,7 +8,7 @@ use std::path::Path;
 use super::text::{shortened, utf8};
 use crate::machine::files;
 use crate::mesh::MeshError;
-use crate::mesh::file_error::{FileError, FileProblem, Place};
+use crate::mesh::file_error::{FileError, FilePosition, FileProblem};
 
 /// Size of the header of a binary STL file with the number of triangles, and of each triangle `[bytes]`.
 const STL_HEAD: usize = 84;
@@ -25,7 +25,7 @@ pub fn read_surface(path: impl AsRef<Path>) -> Result<Triangles, MeshError> {
     let path = path.as_ref();
     match files::read(path) {
         Ok(content) => read_surface_bytes(&content),
-        Err(error) => fail(Place::Line(1), FileProblem::Unreadable { path: path.into(), reason: error.to_string() }),
+        Err(error) => fail(FilePosition::Line(1), FileProblem::Unreadable { path: path.into(), reason: error.to_string() }),
     }
 }
 
@@ -45,11 +45,11 @@ pub fn read_surface_bytes(content: &[u8]) -> Result<Triangles, MeshError> {
         obj(text)
     } else {
         let problem = FileProblem::Malformed { expected: "an STL or OBJ file", found: shortened(text.lines().next().unwrap_or("")) };
-        fail(Place::Line(1), problem)
+        fail(FilePosition::Line(1), problem)
     }
 }
 
-fn fail<T>(at: Place, problem: FileProblem) -> Result<T, MeshError> {
+fn fail<T>(at: FilePosition, problem: FileProblem) -> Result<T, MeshError> {
     Err(FileError { at, problem }.into())
 }
 
@@ -73,14 +73,14 @@ fn point<'a>(words: impl Iterator<Item = &'a str>, line: usize) -> Result<[f64; 
     let (mut point, mut count) = ([0.0; 3], 0);
     for (x, word) in point.iter_mut().zip(words) {
         let Ok(value) = word.parse() else {
-            return fail(Place::Line(line), FileProblem::Malformed { expected: "a number", found: shortened(word) });
+            return fail(FilePosition::Line(line), FileProblem::Malformed { expected: "a number", found: shortened(word) });
         };
         (*x, count) = (value, count + 1);
     }
     if count == 3 {
         Ok(point)
     } else {
-        fail(Place::Line(line), FileProblem::Malformed { expected: "3 coordinates", found: format!("{count} of them") })
+        fail(FilePosition::Line(line), FileProblem::Malformed { expected: "3 coordinates", found: format!("{count} of them") })
     }
 }
 
@@ -95,11 +95,14 @@ fn text_stl(text: &str) -> Result<Triangles, MeshError> {
             points.push(point(words, line)?);
         } else if first.eq_ignore_ascii_case("endfacet") && points.len() % 3 != 0 {
             let found = format!("a facet of {} points", points.len() % 3);
-            return fail(Place::Line(line), FileProblem::Malformed { expected: "facets of 3 points", found });
+            return fail(FilePosition::Line(line), FileProblem::Malformed { expected: "facets of 3 points", found });
         }
     }
     if points.len() % 3 != 0 {
-        return fail(Place::Line(last), FileProblem::Malformed { expected: "facets of 3 points", found: "the end of the file".into() });
+        return fail(
+            FilePosition::Line(last),
+            FileProblem::Malformed { expected: "facets of 3 points", found: "the end of the file".into() },
+        );
     }
     let count = points.len() as u32 / 3;
     Ok((points, (0..count).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect()))
@@ -121,13 +124,13 @@ fn obj(text: &str) -> Result<Triangles, MeshError> {
                         Some(place) if (0..points.len() as i64).contains(&place) => corners.push(place as u32),
                         _ => {
                             let found = shortened(word);
-                            return fail(Place::Line(line), FileProblem::Malformed { expected: "the number of a point", found });
+                            return fail(FilePosition::Line(line), FileProblem::Malformed { expected: "the number of a point", found });
                         }
                     }
                 }
                 if corners.len() < 3 {
                     let found = format!("{} of them", corners.len());
-                    return fail(Place::Line(line), FileProblem::Malformed { expected: "3 points of a face or more", found });
+                    return fail(FilePosition::Line(line), FileProblem::Malformed { expected: "3 points of a face or more", found });
                 }
                 triangles.extend((2..corners.len()).map(|k| [corners[0], corners[k - 1], corners[k]]));
             }
@@ -165,10 +168,10 @@ mod tests {
     #[test]
     fn what_is_wrong_is_told_with_its_line() {
         let told = |content: &str| read_surface_bytes(content.as_bytes()).unwrap_err();
-        assert_eq!(told(&TEXT.replace("1e0", "one")).place(), Some(Place::Line(6)));
-        assert_eq!(told(&TEXT.replace("   vertex 1 0 0\n", "")).place(), Some(Place::Line(7)));
+        assert_eq!(told(&TEXT.replace("1e0", "one")).place(), Some(FilePosition::Line(6)));
+        assert_eq!(told(&TEXT.replace("   vertex 1 0 0\n", "")).place(), Some(FilePosition::Line(7)));
         assert!(told("v 0 0 0\nf 1 2 3\n").to_string().contains("number of a point"));
-        assert_eq!(told("v 0 0\n").place(), Some(Place::Line(1)));
+        assert_eq!(told("v 0 0\n").place(), Some(FilePosition::Line(1)));
         assert!(told("ply\n").to_string().contains("STL or OBJ"));
         assert!(told("").to_string().contains("STL or OBJ"));
     }

@@ -7,7 +7,7 @@ use super::options::FileNote;
 use crate::elements::{CellKind, CellRow};
 use crate::mesh::MeshError;
 use crate::mesh::check::repeated;
-use crate::mesh::file_error::{FileError, FileProblem, Place};
+use crate::mesh::file_error::{FileError, FilePosition, FileProblem};
 
 /// The shape of an element with its number of nodes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -71,7 +71,7 @@ struct Element {
 pub(super) struct Surface {
     pub name: String,
     /// Numbers of elements, each with a side from 1, or 0 for all its sides on the hull, and the place that names it.
-    pub sides: Vec<(u64, u8, Place)>,
+    pub sides: Vec<(u64, u8, FilePosition)>,
 }
 
 /// Nodes under one name.
@@ -79,7 +79,7 @@ pub(super) struct Surface {
 pub(super) struct NodeSet {
     pub name: String,
     /// Place of the definition.
-    pub at: Place,
+    pub at: FilePosition,
     /// Numbers of the nodes.
     pub nodes: Vec<u64>,
 }
@@ -101,15 +101,15 @@ pub(super) struct Tables {
     pub surfaces: Vec<Surface>,
     pub node_sets: Vec<NodeSet>,
     /// Start of the elements.
-    pub elements_begin: Option<Place>,
+    pub elements_begin: Option<FilePosition>,
     /// Structural elements: elements with a shape that are no cells, such as shells, by their numbers.
     pub structural: HashSet<u64>,
     /// For each shape of structural elements, the name of a type and its place.
-    pub structural_types: BTreeMap<Shape, (String, Place)>,
+    pub structural_types: BTreeMap<Shape, (String, FilePosition)>,
     /// True if lines among the structural elements are beams.
     pub has_beams: bool,
     /// Left-out elements without a shape: for each type, their count and the place of the first.
-    pub left_out: BTreeMap<String, (usize, Place)>,
+    pub left_out: BTreeMap<String, (usize, FilePosition)>,
     /// Cells whose nodes in faces were left out: their count, and the number of the first such cell.
     pub without_face_nodes: Option<(usize, u64)>,
     /// Cells that were written with repeated nodes, by their numbers.
@@ -152,17 +152,17 @@ impl Elements {
 }
 
 impl Tables {
-    fn place(&self, stored: u64) -> Place {
-        if self.is_binary { Place::Byte(stored as usize) } else { Place::Line(stored as usize) }
+    fn place(&self, stored: u64) -> FilePosition {
+        if self.is_binary { FilePosition::Byte(stored as usize) } else { FilePosition::Line(stored as usize) }
     }
 
     /// Place of a node of the table.
-    pub fn node_place(&self, index: usize) -> Place {
+    pub fn node_place(&self, index: usize) -> FilePosition {
         self.place(self.node_places[index])
     }
 
     /// Place of an element.
-    pub fn element_place(&self, elements: &Elements, index: usize) -> Place {
+    pub fn element_place(&self, elements: &Elements, index: usize) -> FilePosition {
         self.place(elements.places[index])
     }
 
@@ -178,7 +178,7 @@ impl Tables {
     }
 
     /// Adds a node; its coordinates must be finite.
-    pub fn add_node(&mut self, node: u64, point: [f64; 3], at: Place) -> Result<(), MeshError> {
+    pub fn add_node(&mut self, node: u64, point: [f64; 3], at: FilePosition) -> Result<(), MeshError> {
         if let Some(&value) = point.iter().find(|x| !x.is_finite()) {
             return Err(FileError { at, problem: FileProblem::Coordinate { node, value } }.into());
         }
@@ -189,7 +189,7 @@ impl Tables {
     }
 
     /// Adds an element whose nodes have the given order in the file ([`crate::elements::CellRow::gmsh_order`]).
-    pub fn add_element(&mut self, shape: Shape, number: u64, groups: u32, (nodes, order): (&[u64], &[u8]), at: Place) {
+    pub fn add_element(&mut self, shape: Shape, number: u64, groups: u32, (nodes, order): (&[u64], &[u8]), at: FilePosition) {
         let elements = self.elements.entry(shape).or_default();
         elements.numbers.push(number);
         elements.places.push(number_of(at));
@@ -324,7 +324,7 @@ impl Tables {
     }
 
     /// Counts left-out elements of a shape; `at` is the place of the first.
-    pub fn leave_out(&mut self, shape: Shape, count: usize, at: Place) {
+    pub fn leave_out(&mut self, shape: Shape, count: usize, at: FilePosition) {
         let name = self.structural_types.get(&shape).map_or_else(|| "line".into(), |(name, _)| name.clone());
         self.left_out.entry(name).or_insert((0, at)).0 += count;
     }
@@ -400,8 +400,8 @@ fn written(written: &[u64], number: u64) -> u64 {
     known.copied().unwrap_or(number)
 }
 
-fn number_of(at: Place) -> u64 {
+fn number_of(at: FilePosition) -> u64 {
     match at {
-        Place::Line(number) | Place::Byte(number) => number as u64,
+        FilePosition::Line(number) | FilePosition::Byte(number) => number as u64,
     }
 }

@@ -1,7 +1,7 @@
 //! Text of files, and descriptions of unreadable content for messages: its first characters, its probable format.
 
 use crate::mesh::MeshError;
-use crate::mesh::file_error::{FileError, FileProblem, Place};
+use crate::mesh::file_error::{FileError, FilePosition, FileProblem};
 
 /// The beginning of a text, for a message.
 pub(super) fn shortened(text: &str) -> String {
@@ -19,7 +19,7 @@ pub(super) fn utf8(content: &[u8]) -> Result<&str, MeshError> {
         Ok(text) => Ok(text.trim_start_matches('\u{feff}')),
         Err(error) => {
             let line = content[..error.valid_up_to()].iter().filter(|&&byte| byte == b'\n').count() + 1;
-            Err(FileError { at: Place::Line(line), problem: FileProblem::NotText }.into())
+            Err(FileError { at: FilePosition::Line(line), problem: FileProblem::NotText }.into())
         }
     }
 }

@@ -10,7 +10,7 @@ use super::text::utf8;
 use super::words::malformed;
 use crate::elements::CellKind;
 use crate::mesh::MeshError;
-use crate::mesh::file_error::{FileError, FileProblem, Place};
+use crate::mesh::file_error::{FileError, FilePosition, FileProblem};
 
 /// Line that begins and ends a dataset.
 const MARK: &str = "-1";
@@ -101,8 +101,8 @@ struct File<'a> {
 }
 
 impl<'a> File<'a> {
-    fn place(&self) -> Place {
-        Place::Line(self.at.max(1))
+    fn place(&self) -> FilePosition {
+        FilePosition::Line(self.at.max(1))
     }
 
     /// Continues after the next mark and the number of the dataset; false at the end of the file.
@@ -162,7 +162,7 @@ struct Element {
     shape: Shape,
     order: &'static [u8],
     nodes: Vec<u64>,
-    at: Place,
+    at: FilePosition,
 }
 
 fn read_elements(file: &mut File, tables: &mut Tables, elements: &mut Vec<Element>) -> Result<(), MeshError> {
@@ -204,7 +204,7 @@ fn read_elements(file: &mut File, tables: &mut Tables, elements: &mut Vec<Elemen
 struct Groups {
     /// Groups of an element by its number.
     of_elements: HashMap<u64, Vec<u64>>,
-    places: HashMap<u64, Place>,
+    places: HashMap<u64, FilePosition>,
     left_out: Vec<u64>,
 }
 

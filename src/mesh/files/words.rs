@@ -4,7 +4,7 @@ use std::str::FromStr;
 
 use super::text::shortened;
 use crate::mesh::MeshError;
-use crate::mesh::file_error::{FileError, FileProblem, Place};
+use crate::mesh::file_error::{FileError, FilePosition, FileProblem};
 
 /// Words of a text, in their order.
 pub(super) struct Words<'a> {
@@ -20,9 +20,9 @@ impl<'a> Words<'a> {
     }
 
     /// Line of the next word.
-    pub fn place(&mut self) -> Place {
+    pub fn place(&mut self) -> FilePosition {
         self.skip();
-        Place::Line(self.line)
+        FilePosition::Line(self.line)
     }
 
     fn skip(&mut self) {
@@ -63,6 +63,6 @@ impl<'a> Words<'a> {
 }
 
 /// Error of a place with other content than expected.
-pub(super) fn malformed(at: Place, expected: &'static str, found: &str) -> MeshError {
+pub(super) fn malformed(at: FilePosition, expected: &'static str, found: &str) -> MeshError {
     FileError { at, problem: FileProblem::Malformed { expected, found: shortened(found) } }.into()
 }

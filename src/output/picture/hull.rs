@@ -19,7 +19,7 @@ const LAMP: [f64; 3] = [-0.21, 0.4, 0.89];
 const AMBIENT: f64 = 0.75;
 
 /// A facet that faces the viewer.
-struct Side {
+struct VisibleFacet {
     body: usize,
     nodes: Vec<u32>,
     normal: [f64; 3],
@@ -28,7 +28,7 @@ struct Side {
     is_cut: bool,
 }
 
-impl Side {
+impl VisibleFacet {
     fn edges(&self) -> impl Iterator<Item = [u32; 2]> + '_ {
         self.nodes.iter().zip(self.nodes.iter().cycle().skip(1)).map(|(&a, &b)| [a, b])
     }
@@ -38,7 +38,7 @@ impl Side {
 type EdgeNormals = HashMap<(usize, [u32; 2]), Vec<[f64; 3]>>;
 
 /// Returns the facets that face the viewer, from far to near.
-fn sides(skins: &[Skin], camera: &Camera) -> (Vec<Side>, EdgeNormals) {
+fn sides(skins: &[Skin], camera: &Camera) -> (Vec<VisibleFacet>, EdgeNormals) {
     let (mut sides, mut normals_at) = (Vec::new(), EdgeNormals::new());
     let toward = camera.view.toward;
     for (index, skin) in skins.iter().enumerate() {
@@ -47,7 +47,7 @@ fn sides(skins: &[Skin], camera: &Camera) -> (Vec<Side>, EdgeNormals) {
             let corners: Vec<[f64; 3]> = nodes.iter().map(|&node| skin.points[node as usize]).collect();
             let normal = if is_cut { skin.normal } else { normal(&corners) };
             let depth = corners.iter().map(|&corner| dot(corner, toward) / corners.len() as f64).sum();
-            let side = Side { body: index, nodes: nodes.clone(), normal, depth, is_cut };
+            let side = VisibleFacet { body: index, nodes: nodes.clone(), normal, depth, is_cut };
             for [a, b] in side.edges() {
                 normals_at.entry((index, [a.min(b), a.max(b)])).or_default().push(normal);
             }
@@ -61,12 +61,12 @@ fn sides(skins: &[Skin], camera: &Camera) -> (Vec<Side>, EdgeNormals) {
 }
 
 /// Sorts facets from far to near.
-fn sort(sides: &mut [Side]) {
+fn sort(sides: &mut [VisibleFacet]) {
     sides.sort_by(|a, b| a.is_cut.cmp(&b.is_cut).then(a.depth.total_cmp(&b.depth)));
 }
 
 /// Returns the edges of a facet that are sharp edges of the body, or its silhouette.
-fn sharp_edges(side: &Side, normals_at: &EdgeNormals, toward: [f64; 3]) -> Vec<[u32; 2]> {
+fn sharp_edges(side: &VisibleFacet, normals_at: &EdgeNormals, toward: [f64; 3]) -> Vec<[u32; 2]> {
     let is_sharp = |&[a, b]: &[u32; 2]| {
         let around = &normals_at[&(side.body, [a.min(b), a.max(b)])];
         around.len() != 2 || dot(around[0], around[1]) < SHARP || around.iter().any(|&normal| dot(normal, toward) <= 0.0)
@@ -76,13 +76,19 @@ fn sharp_edges(side: &Side, normals_at: &EdgeNormals, toward: [f64; 3]) -> Vec<[
 
 /// Returns the facets of obstacles that face the viewer; their indices follow those of `bodies` bodies. They are drawn before the bodies,
 /// which are on their visible side.
-fn wall_sides(surfaces: &[ObstacleSurface], bodies: usize, camera: &Camera) -> Vec<Side> {
+fn wall_sides(surfaces: &[ObstacleSurface], bodies: usize, camera: &Camera) -> Vec<VisibleFacet> {
     let toward = camera.view.toward;
     let side = |index: usize, surface: &ObstacleSurface, facet: &Vec<u32>| {
         let corners: Vec<[f64; 3]> = facet.iter().map(|&node| surface.points[node as usize]).collect();
         let normal = normal(&corners);
         let least = corners.iter().map(|&corner| dot(corner, toward)).fold(f64::INFINITY, f64::min);
-        (dot(normal, toward) > 0.0).then(|| Side { body: bodies + index, nodes: facet.clone(), normal, depth: least, is_cut: false })
+        (dot(normal, toward) > 0.0).then(|| VisibleFacet {
+            body: bodies + index,
+            nodes: facet.clone(),
+            normal,
+            depth: least,
+            is_cut: false,
+        })
     };
     let of = |(index, surface)| {
         let surface: &ObstacleSurface = surface;
@@ -92,7 +98,7 @@ fn wall_sides(surfaces: &[ObstacleSurface], bodies: usize, camera: &Camera) -> V
 }
 
 /// Returns the brightness of a facet, between `AMBIENT` and 1.
-fn light(side: &Side, view: &View) -> f64 {
+fn light(side: &VisibleFacet, view: &View) -> f64 {
     let lit = LAMP[0] * dot(side.normal, view.right) + LAMP[1] * dot(side.normal, view.up) + LAMP[2] * dot(side.normal, view.toward);
     AMBIENT + (1.0 - AMBIENT) * lit.clamp(0.0, 1.0)
 }
@@ -108,7 +114,7 @@ pub(super) fn bodies_into(
 ) {
     let values: Vec<Vec<f64>> = skins.iter().zip(values).map(|(skin, values)| skin.values(values)).collect();
     let (mut sides, normals_at) = sides(skins, camera);
-    let place = |side: &Side, node: u32| camera.place(skins[side.body].points[node as usize]);
+    let place = |side: &VisibleFacet, node: u32| camera.place(skins[side.body].points[node as usize]);
     let edges = sides.iter().flat_map(|side| side.edges().map(|edge| edge.map(|node| place(side, node))).collect::<Vec<_>>());
     let is_coarse = has_room_for_edges(edges);
     let view = camera.view;

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::bodies::Frame;
+use crate::bodies::BarycentricMap;
 use crate::dynamics::{BodyBoundary, JointDefinition, JointKind, LoadKind, Model, PartPlace, Prescription};
 use crate::mesh::{Facet, Mesh};
 use crate::output::recording::Skin;
@@ -139,7 +139,7 @@ impl Marker<'_> {
             PartPlace::Nodes(body, shares) => self.nodes(*body, shares),
             PartPlace::Point(None, point) => Some(MarkPlace::Point { point: point.map(|x| x as f32) }),
             PartPlace::Point(Some(body), point) => {
-                let frame = self.model.bodies[*body].rigid.as_ref().and_then(|_| Frame::new(self.mesh(*body)));
+                let frame = self.model.bodies[*body].rigid.as_ref().and_then(|_| BarycentricMap::new(self.mesh(*body)));
                 let shares = match frame {
                     Some(frame) => frame.masters.iter().copied().zip(frame.shares(*point)).collect(),
                     None => vec![(self.model.nearest_node(*body, *point).0, 1.0)],

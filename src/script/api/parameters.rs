@@ -16,7 +16,7 @@ use crate::script::language::function::{Form, Function, Topic, body};
 use crate::script::language::host::Host;
 use crate::script::language::parameter::{Absent, Kind, Parameter};
 use crate::script::language::scan;
-use crate::script::language::sources::Place;
+use crate::script::language::sources::SourceSpan;
 use crate::script::language::values::{as_number, describe};
 use crate::script::language::wording::{did_you_mean, listed};
 
@@ -93,7 +93,7 @@ impl Overrides {
     }
 
     /// Returns the failure of a name whose `param`, at `place`, was not reached.
-    pub fn unreached(&self, name: &str, place: Option<Place>) -> Failure {
+    pub fn unreached(&self, name: &str, place: Option<SourceSpan>) -> Failure {
         let failure = Failure::script(format!("`--set {name}={}`: the run ended before the script asked for `{name}`", self.text(name)))
             .code(causes::SETTING);
         failure
@@ -153,7 +153,7 @@ pub fn check_overrides(host: &Host, engine: &Engine, is_over: bool) -> Result<()
         let lexemes = scan::lexemes(engine, text);
         for (range, name) in scan::asked_parameters(&lexemes) {
             is_computed |= name.is_none();
-            let place = Place { source: source.clone(), text: text.clone(), range };
+            let place = SourceSpan { source: source.clone(), text: text.clone(), range };
             written.extend(name.map(|name| (name, place)));
         }
         let loaded = |path: &str| texts.iter().any(|(name, _)| name.trim_end_matches(".rhai") == path.trim_end_matches(".rhai"));

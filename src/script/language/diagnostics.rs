@@ -7,7 +7,7 @@ use annotate_snippets::renderer::DecorStyle;
 use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet, normalize_untrusted_str};
 
 use super::failure::Class;
-use super::sources::Place;
+use super::sources::SourceSpan;
 
 /// Severity of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,11 +20,11 @@ pub enum Severity {
 
 /// One link of the chain of calls around an error.
 #[derive(Clone, Debug)]
-pub struct Frame {
+pub struct CallFrame {
     /// Description of the call, such as ``in the call of `broken` ``.
     pub title: String,
     /// Place of the call.
-    pub place: Option<Place>,
+    pub place: Option<SourceSpan>,
 }
 
 /// A message.
@@ -39,7 +39,7 @@ pub struct Diagnostic {
     /// Description of the fault, one sentence.
     pub title: String,
     /// Place of the fault.
-    pub place: Option<Place>,
+    pub place: Option<SourceSpan>,
     /// A few words at the place.
     pub label: String,
     /// Numbers and causes that explain the fault.
@@ -47,7 +47,7 @@ pub struct Diagnostic {
     /// Hints how to mend the fault.
     pub hints: Vec<String>,
     /// The chain of calls, innermost first.
-    pub frames: Vec<Frame>,
+    pub frames: Vec<CallFrame>,
 }
 
 /// Rendering of a diagnostic.
@@ -79,7 +79,7 @@ impl Diagnostic {
     }
 
     /// A warning at a place.
-    pub fn warning(title: impl Into<String>, place: Option<Place>) -> Self {
+    pub fn warning(title: impl Into<String>, place: Option<SourceSpan>) -> Self {
         Diagnostic { severity: Severity::Warning, place, ..Diagnostic::error(Class::Script, title) }
     }
 
@@ -167,7 +167,7 @@ pub fn defect(panic: &(dyn std::any::Any + Send)) -> Box<Diagnostic> {
     Box::new(error)
 }
 
-fn snippet<'a>(place: &'a Place, label: &'a str, kind: AnnotationKind) -> Snippet<'a, annotate_snippets::Annotation<'a>> {
+fn snippet<'a>(place: &'a SourceSpan, label: &'a str, kind: AnnotationKind) -> Snippet<'a, annotate_snippets::Annotation<'a>> {
     let annotation = kind.span(place.range.clone());
     let annotation = if label.is_empty() { annotation } else { annotation.label(label) };
     Snippet::source(&*place.text).path(place.source.as_str()).annotation(annotation)
@@ -177,9 +177,9 @@ fn snippet<'a>(place: &'a Place, label: &'a str, kind: AnnotationKind) -> Snippe
 mod tests {
     use super::*;
 
-    fn place(text: &str, found: &str) -> Place {
+    fn place(text: &str, found: &str) -> SourceSpan {
         let start = text.find(found).unwrap();
-        Place { source: "a.rhai".into(), text: text.into(), range: start..start + found.len() }
+        SourceSpan { source: "a.rhai".into(), text: text.into(), range: start..start + found.len() }
     }
 
     #[test]
@@ -189,7 +189,7 @@ mod tests {
             Diagnostic::error(Class::Script, "`ring` has no option `innner`").cause("its options are …").hint("did you mean …?");
         diagnostic.place = Some(place(text, "innner"));
         diagnostic.label = "unknown".into();
-        diagnostic.frames = vec![Frame { title: "in the call of `f`".into(), place: Some(place(text, "ring")) }];
+        diagnostic.frames = vec![CallFrame { title: "in the call of `f`".into(), place: Some(place(text, "ring")) }];
         insta::assert_snapshot!(diagnostic.render(Ink::Plain));
     }
 }

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use super::handle::Handle;
 use super::scan::Target;
-use super::sources::Place;
+use super::sources::SourceSpan;
 use crate::dynamics::StepError;
 
 /// Class of a failure; determines the exit code.
@@ -86,7 +86,7 @@ pub struct Details {
     /// Error in script code that caused this failure.
     pub inner: Option<ScriptError>,
     /// Place of the failure, if more precise than the position of the engine.
-    pub origin: Option<Place>,
+    pub origin: Option<SourceSpan>,
 }
 
 /// A failure of a script function.
@@ -165,7 +165,7 @@ impl Failure {
     }
 
     /// Returns the failure with a given place, in place of the position that the engine adds.
-    pub fn placed(mut self, place: Option<Place>) -> Self {
+    pub fn placed(mut self, place: Option<SourceSpan>) -> Self {
         self.0.origin = place;
         self
     }

@@ -14,7 +14,7 @@ use super::handle::{Handle, Receiver};
 use super::host::Host;
 use super::parameter::{Kind, Parameter};
 use super::scan::{self, Target};
-use super::sources::{Place, offset};
+use super::sources::{SourceSpan, offset};
 
 /// Topic of a function, a heading of the reference.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -186,7 +186,7 @@ impl<'a> Call<'a> {
     }
 
     /// Returns the place of the call, or of a part of the call.
-    pub fn place(&self, target: &Target) -> Option<Place> {
+    pub fn place(&self, target: &Target) -> Option<SourceSpan> {
         self.host.place(self.engine(), &self.source(), self.position(), target, self.function.form.receiver().is_some())
     }
 }

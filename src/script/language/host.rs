@@ -19,7 +19,7 @@ use super::sandbox::Sandbox;
 use super::scan::{self, Target};
 use super::settings::{Mode, Settings};
 use super::slots::Slots;
-use super::sources::{Place, Sources, offset};
+use super::sources::{SourceSpan, Sources, offset};
 use crate::machine::{consulted, watched};
 
 /// Data that script functions share with their session.
@@ -161,14 +161,14 @@ impl Host {
     }
 
     /// Returns the place of a position and a target. An empty source is the main one.
-    pub fn place(&self, engine: &Engine, source: &str, position: Position, target: &Target, method: bool) -> Option<Place> {
+    pub fn place(&self, engine: &Engine, source: &str, position: Position, target: &Target, method: bool) -> Option<SourceSpan> {
         let source = if source.is_empty() { self.main.borrow().clone() } else { source.to_string() };
         let text = self.sources.text(&source)?;
         let start = offset(&text, position)?;
         let lexemes = scan::lexemes_of_source(engine, &text);
         let start = scan::name_after_dot(&lexemes, start);
         let range = scan::locate(&lexemes, start, target, method).unwrap_or_else(|| scan::word(&lexemes, &text, start));
-        Some(Place { source, text, range })
+        Some(SourceSpan { source, text, range })
     }
 
     /// Shows a warning, once.
@@ -191,7 +191,7 @@ impl Host {
     }
 
     /// Reports a check that holds, once per place: checks in a loop or after every step are evaluated often.
-    pub fn passed(&self, line: &str, place: Option<&Place>) {
+    pub fn passed(&self, line: &str, place: Option<&SourceSpan>) {
         let key = place.map_or_else(|| line.to_string(), ToString::to_string);
         let place = place.map(|place| self.sources.relocate(place.clone()));
         let place = place.map(|place| format!("  [{}:{}]", place.source, place.line_column().0)).unwrap_or_default();

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::diagnostics::{Diagnostic, Severity};
 use super::failure::{Class, Failure};
-use super::sources::{Place, Sources};
+use super::sources::{SourceSpan, Sources};
 
 /// A message without the chain of calls around it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -38,10 +38,10 @@ impl Message {
         }
     }
 
-    fn place(&self, sources: &Sources) -> Option<Place> {
+    fn place(&self, sources: &Sources) -> Option<SourceSpan> {
         let (source, range) = self.place.clone()?;
         let text = sources.text(&source).or_else(|| sources.appended(&source))?;
-        (range.end <= text.len()).then_some(Place { source, text, range })
+        (range.end <= text.len()).then_some(SourceSpan { source, text, range })
     }
 
     /// Returns the diagnostic; without a place if its text is not known.
@@ -67,7 +67,7 @@ impl Message {
 
     /// Returns the message in one line: fault, numbers, and the line in its file.
     pub fn line(&self, sources: &Sources) -> String {
-        let file = |place: Place| {
+        let file = |place: SourceSpan| {
             let line = place.line_column().0;
             format!(" ({}:{line})", place.source.rsplit(['/', '\\']).next().unwrap_or_default())
         };

@@ -42,13 +42,13 @@ impl Sources {
     }
 
     /// Converts a place in a source into a place in the appended text, if it lies in one.
-    pub(crate) fn relocate(&self, place: Place) -> Place {
+    pub(crate) fn relocate(&self, place: SourceSpan) -> SourceSpan {
         let segments = self.segments.borrow();
         let inside = |segment: &&Segment| segment.source == place.source && segment.start <= place.range.start;
         let Some(segment) = segments.iter().rev().find(inside) else { return place };
         let shifted = |byte: usize| (byte - segment.start).min(segment.text.len());
         let range = shifted(place.range.start)..shifted(place.range.end.max(place.range.start));
-        Place { source: segment.name.clone(), text: segment.text.clone(), range }
+        SourceSpan { source: segment.name.clone(), text: segment.text.clone(), range }
     }
 
     /// Last text appended under this name.
@@ -80,7 +80,7 @@ impl Sources {
 
 /// A stretch of a source's text.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Place {
+pub struct SourceSpan {
     /// Name of the source.
     pub source: String,
     /// Text of the source.
@@ -89,7 +89,7 @@ pub struct Place {
     pub range: Range<usize>,
 }
 
-impl Place {
+impl SourceSpan {
     /// Line and column (in characters), both from 1, of the beginning.
     pub(crate) fn line_column(&self) -> (usize, usize) {
         let before = &self.text[..self.range.start.min(self.text.len())];
@@ -98,7 +98,7 @@ impl Place {
     }
 }
 
-impl std::fmt::Display for Place {
+impl std::fmt::Display for SourceSpan {
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let (line, column) = self.line_column();
         write!(out, "{}:{line}:{column}", self.source)
@@ -158,7 +158,7 @@ mod tests {
             let position = Position::new(line, column);
             assert_eq!(offsets.of(position), offset(text, position), "{position}");
         }
-        let place = Place { source: "a.rhai".into(), text: text.into(), range: 19..20 };
+        let place = SourceSpan { source: "a.rhai".into(), text: text.into(), range: 19..20 };
         assert_eq!(place.to_string(), "a.rhai:2:7");
     }
 
@@ -170,7 +170,7 @@ mod tests {
         let text = sources.text("session").unwrap();
         let start = text.find('x').unwrap();
         assert_eq!(offset(&text, Position::new(3, 5)), Some(start));
-        let place = sources.relocate(Place { source: "session".into(), text, range: start..start + 1 });
+        let place = sources.relocate(SourceSpan { source: "session".into(), text, range: start..start + 1 });
         assert_eq!((place.to_string().as_str(), &*place.text), ("entry 2:1:5", "a + x"));
         assert_eq!(sources.relocate(place.clone()), place);
     }

@@ -29,7 +29,7 @@ use crate::script::language::lint::lint;
 use crate::script::language::observer::{Observer, Progress};
 use crate::script::language::registry::Registry;
 use crate::script::language::settings::{Mode, Settings};
-use crate::script::language::sources::Place;
+use crate::script::language::sources::SourceSpan;
 
 /// Largest number of lines shown of a value.
 const LINES: usize = 12;
@@ -58,7 +58,7 @@ pub struct Checked {
     /// Errors and warnings.
     pub findings: Vec<Diagnostic>,
     /// Place of the first use of a result, after which only names were checked.
-    pub stopped: Option<Place>,
+    pub stopped: Option<SourceSpan>,
 }
 
 /// Explanation of a name.
@@ -135,7 +135,7 @@ impl Document {
     }
 
     /// True for a place in this text.
-    pub fn is_own(&self, place: &Place) -> bool {
+    pub fn is_own(&self, place: &SourceSpan) -> bool {
         place.source == self.name
     }
 
@@ -187,8 +187,8 @@ impl Document {
         }
     }
 
-    fn place(&self, range: Range<usize>) -> Place {
-        Place { source: self.name.clone(), text: self.text.clone(), range }
+    fn place(&self, range: Range<usize>) -> SourceSpan {
+        SourceSpan { source: self.name.clone(), text: self.text.clone(), range }
     }
 
     /// Errors found in the text alone.

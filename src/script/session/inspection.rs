@@ -15,7 +15,7 @@ use crate::script::language::function::{Form, Function};
 use crate::script::language::habits;
 use crate::script::language::parameter::Kind;
 use crate::script::language::registry::Registry;
-use crate::script::language::sources::Place;
+use crate::script::language::sources::SourceSpan;
 use crate::script::language::wording::did_you_mean;
 
 /// Largest number of reported errors of a kind: a suggestion takes a millisecond.
@@ -31,7 +31,7 @@ pub fn engine_functions(engine: &Engine) -> BTreeSet<String> {
 }
 
 /// Calls of unknown names.
-pub fn unknown_calls(registry: &Registry, of_engine: &BTreeSet<String>, declared: &Declarations, place: &Place) -> Vec<Diagnostic> {
+pub fn unknown_calls(registry: &Registry, of_engine: &BTreeSet<String>, declared: &Declarations, place: &SourceSpan) -> Vec<Diagnostic> {
     let text: &str = &place.text;
     let is_known = |name: &str| of_engine.contains(name) || registry.named(name).next().is_some();
     // A map may contain a closure under any key.
@@ -61,7 +61,7 @@ pub fn unknown_calls(registry: &Registry, of_engine: &BTreeSet<String>, declared
             Some(habit) => Some(habit.to_string()),
             None => did_you_mean(name, names),
         };
-        let warning = Diagnostic::warning(title, Some(Place { range: range.clone(), ..place.clone() }));
+        let warning = Diagnostic::warning(title, Some(SourceSpan { range: range.clone(), ..place.clone() }));
         found.push(hint.into_iter().fold(warning, Diagnostic::hint));
     }
     found
@@ -69,7 +69,7 @@ pub fn unknown_calls(registry: &Registry, of_engine: &BTreeSet<String>, declared
 
 impl Words<'_> {
     /// Unknown keys in literal options maps.
-    pub fn unknown_keys(&self, place: &Place) -> Vec<Diagnostic> {
+    pub fn unknown_keys(&self, place: &SourceSpan) -> Vec<Diagnostic> {
         let mut cursor = Cursor::at_start(&place.text);
         let mut found = Vec::new();
         for index in 0..cursor.pieces.len() {
@@ -79,7 +79,7 @@ impl Words<'_> {
             {
                 let range = cursor.pieces[index - 1].range.clone();
                 let warning =
-                    Diagnostic::warning(format!("{} has no option `{key}`", function.title()), Some(Place { range, ..place.clone() }));
+                    Diagnostic::warning(format!("{} has no option `{key}`", function.title()), Some(SourceSpan { range, ..place.clone() }));
                 let hint = habits::option(&key).map(String::from).or_else(|| did_you_mean(&key, names));
                 found.push(hint.into_iter().fold(warning.label("unknown option"), Diagnostic::hint));
             }

@@ -36,7 +36,7 @@ use crate::script::language::registry::Registry;
 use crate::script::language::sandbox::{Sandbox, reason};
 use crate::script::language::scan;
 use crate::script::language::settings::Settings;
-use crate::script::language::sources::Place;
+use crate::script::language::sources::SourceSpan;
 use crate::script::language::worker_pool::{MakeWorker, Program, Unit};
 
 /// Outcome of a script.
@@ -47,7 +47,7 @@ pub struct Report {
     /// Findings of `conserva check`.
     pub findings: Vec<String>,
     /// Place of the first use of a result, behind which `conserva check` checked nothing.
-    pub stopped: Option<Place>,
+    pub stopped: Option<SourceSpan>,
     /// Number of checks that held.
     pub checks: usize,
     /// Energy changes, one line for each simulation with a change.

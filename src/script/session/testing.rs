@@ -19,7 +19,7 @@ use crate::script::language::diagnostics::{Diagnostic, Ink};
 use crate::script::language::failure::Class;
 use crate::script::language::observer::{Observer, Progress};
 use crate::script::language::settings::Settings;
-use crate::script::language::sources::Place;
+use crate::script::language::sources::SourceSpan;
 
 /// A test of a file.
 #[derive(Clone, Debug)]
@@ -136,7 +136,7 @@ impl TestCase {
         let end = self.text[mark.start..].find('\n').map_or(self.text.len(), |newline| mark.start + newline);
         let range = mark.start..mark.start + self.text[mark.start..end].trim_end().len();
         let mut diagnostic = Diagnostic::error(Class::Check, title);
-        diagnostic.place = Some(Place { source: self.file.display().to_string(), text: self.text.clone(), range });
+        diagnostic.place = Some(SourceSpan { source: self.file.display().to_string(), text: self.text.clone(), range });
         let diagnostic = diagnostic.label("expected here");
         match came {
             Some(came) => {
@@ -200,7 +200,7 @@ pub fn tests_of(file: &Path, settings: &Settings) -> Result<TestFile, Box<Diagno
 /// The warning of a function that is named like a test and has parameters.
 fn not_a_test(source: &str, text: &Arc<str>, name: &str, parameters: usize, start: usize) -> Diagnostic {
     let end = text[start..].find(')').map_or(text.len(), |end| start + end + 1);
-    let place = Place { source: source.into(), text: text.clone(), range: start..end };
+    let place = SourceSpan { source: source.into(), text: text.clone(), range: start..end };
     let count = if parameters == 1 { "a parameter".to_string() } else { format!("{parameters} parameters") };
     let warning = Diagnostic::warning(format!("`{name}` is not run: a test has no parameters"), Some(place));
     let warning = warning.code("C1054").label(format!("it has {count}"));

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use super::super::options::Includes;
 use crate::machine::files;
 use crate::mesh::MeshError;
-use crate::mesh::file_error::{FileError, FileProblem, Place};
+use crate::mesh::file_error::{FileError, FilePosition, FileProblem};
 
 /// Largest nesting depth of included files, and largest number of included files.
 const DEEPEST: usize = 16;
@@ -56,15 +56,15 @@ impl<'a> Text<'a> {
 impl Origins {
     /// Error with its place in the original file.
     pub fn located(&self, mut error: MeshError) -> MeshError {
-        let Some(Place::Line(line)) = error.place() else { return error };
+        let Some(FilePosition::Line(line)) = error.place() else { return error };
         let Some((line, file)) = self.line_of_file(line) else { return error };
-        error.set_place(Place::Line(line));
+        error.set_place(FilePosition::Line(line));
         if let MeshError::File(FileError { problem, .. }) = &mut error {
             use FileProblem::*;
             if let DuplicateNode { first, .. } | DuplicateElement { first, .. } | Truncated { begin: first, .. } = problem
-                && let Place::Line(before) = *first
+                && let FilePosition::Line(before) = *first
             {
-                *first = Place::Line(self.line_of_file(before).map_or(before, |(line, _)| line));
+                *first = FilePosition::Line(self.line_of_file(before).map_or(before, |(line, _)| line));
             }
         }
         match file {
@@ -109,11 +109,11 @@ impl Expansion<'_> {
                 last = index;
             }
             if let Some(name) = input_of(&keyword) {
-                self.include(&keyword, &name, Place::Line(at))?;
+                self.include(&keyword, &name, FilePosition::Line(at))?;
                 self.origins.stretches.push(Stretch { from: self.lines + 1, line: last + 2, file });
             } else if is_include(&keyword) {
                 let problem = FileProblem::MissingParameter { keyword: "INCLUDE".into(), parameter: "INPUT" };
-                return Err(FileError { at: Place::Line(at), problem }.into());
+                return Err(FileError { at: FilePosition::Line(at), problem }.into());
             }
         }
         Ok(())
@@ -127,7 +127,7 @@ impl Expansion<'_> {
         self.lines += 1;
     }
 
-    fn include(&mut self, keyword: &[u8], name: &str, at: Place) -> Result<(), MeshError> {
+    fn include(&mut self, keyword: &[u8], name: &str, at: FilePosition) -> Result<(), MeshError> {
         let fail = |problem| Err(FileError { at, problem }.into());
         let Some(find) = self.includes else {
             let keyword = if is_include(keyword) { "INCLUDE".into() } else { name_of(keyword) };

@@ -2,7 +2,7 @@
 
 use super::super::text::shortened;
 use crate::mesh::MeshError;
-use crate::mesh::file_error::{FileError, FileProblem, Place};
+use crate::mesh::file_error::{FileError, FilePosition, FileProblem};
 
 /// A keyword line, with the lines that continue it.
 pub(super) struct Keyword {
@@ -10,7 +10,7 @@ pub(super) struct Keyword {
     pub name: String,
     parameters: Vec<(String, String)>,
     /// Line of the keyword.
-    pub at: Place,
+    pub at: FilePosition,
 }
 
 impl Keyword {
@@ -51,7 +51,7 @@ pub(super) enum Item<'a> {
 pub(super) struct Data<'a> {
     text: &'a str,
     /// Place of the line in the file.
-    pub at: Place,
+    pub at: FilePosition,
 }
 
 impl<'a> Data<'a> {
@@ -107,8 +107,8 @@ impl<'a> Lines<'a> {
     }
 
     /// Place of the line that was returned last.
-    pub fn place(&self) -> Place {
-        Place::Line(self.line)
+    pub fn place(&self) -> FilePosition {
+        FilePosition::Line(self.line)
     }
 
     /// The next line that is neither blank nor a comment.

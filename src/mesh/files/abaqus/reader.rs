@@ -11,7 +11,7 @@ use super::scope::{Scope, Sides};
 use super::sets::key_of;
 use super::types::{ElementType, Family, type_of};
 use crate::mesh::MeshError;
-use crate::mesh::file_error::{FileError, FileProblem, Place};
+use crate::mesh::file_error::{FileError, FilePosition, FileProblem};
 
 /// Keywords that change the mesh in a way that is not supported.
 const REFUSED: &[(&str, &str)] = &[
@@ -80,7 +80,7 @@ enum Open {
 /// An element whose lines have not all been read.
 struct Begun {
     fields: Vec<u64>,
-    at: Place,
+    at: FilePosition,
     /// True if every line so far ends with a comma, as Abaqus demands; CalculiX reads on until the last node without it.
     has_commas: bool,
 }
@@ -161,7 +161,7 @@ impl Reader {
     }
 
     /// Keeps an element; an element with fewer nodes than its shape is recorded as structural and left out.
-    fn element(&mut self, shape: Shape, fields: &[u64], set: Option<usize>, at: Place) -> Result<(), MeshError> {
+    fn element(&mut self, shape: Shape, fields: &[u64], set: Option<usize>, at: FilePosition) -> Result<(), MeshError> {
         let (number, scope) = (fields[0], self.scope());
         if let Some(nodes) = fields.get(1..=shape.nodes()) {
             scope.add_element(shape, number, nodes, at)?;
@@ -372,7 +372,7 @@ fn element_fields(
     begun: &mut Option<Begun>,
     data: &Data,
     notes: Option<&mut Vec<FileNote>>,
-) -> Result<Option<(Vec<u64>, Place)>, MeshError> {
+) -> Result<Option<(Vec<u64>, FilePosition)>, MeshError> {
     const EXPECTED: &str = "an element with its number and nodes";
     let mut element = begun.take().unwrap_or(Begun { fields: Vec::new(), at: data.at, has_commas: true });
     let needed = shape.nodes() + 1;

@@ -6,7 +6,7 @@ use super::super::tables::{Shape, Tables};
 use super::lines::Data;
 use super::sets::{Set, Sets};
 use crate::mesh::MeshError;
-use crate::mesh::file_error::{FileError, FileProblem, Place};
+use crate::mesh::file_error::{FileError, FilePosition, FileProblem};
 
 /// Surface whose element sets are not resolved yet.
 #[derive(Clone)]
@@ -14,7 +14,7 @@ pub(super) struct Sides {
     pub name: String,
     pub is_internal: bool,
     /// Element or element set, side as written (empty: all sides on the hull), and line.
-    pub sides: Vec<(String, String, Place)>,
+    pub sides: Vec<(String, String, FilePosition)>,
 }
 
 /// Kind of a set.
@@ -90,7 +90,7 @@ impl Scope {
     }
 
     /// Keeps an element with a shape.
-    pub fn add_element(&mut self, shape: Shape, number: u64, nodes: &[u64], at: Place) -> Result<(), MeshError> {
+    pub fn add_element(&mut self, shape: Shape, number: u64, nodes: &[u64], at: FilePosition) -> Result<(), MeshError> {
         let place = self.tables.elements.get(&shape).map_or(0, |elements| elements.numbers.len() as u32);
         if let Some((shape, before)) = self.elements.insert(number, (shape, place)) {
             let first = self.tables.element_place(&self.tables.elements[&shape], before as usize);

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::lines::{Data, Keyword};
 use crate::mesh::MeshError;
-use crate::mesh::file_error::Place;
+use crate::mesh::file_error::FilePosition;
 
 /// Member of a set.
 #[derive(Clone)]
@@ -22,7 +22,7 @@ pub(super) struct Set {
     /// Name as written at the first occurrence.
     pub name: String,
     /// Place of the first definition.
-    pub at: Place,
+    pub at: FilePosition,
     /// True if the set is internal to the input file: marked `INTERNAL`, or a name with a leading underscore.
     pub is_internal: bool,
     /// Members of the set, each with the scope named by the keyword; `None`: the scope of the set.

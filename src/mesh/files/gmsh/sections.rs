@@ -7,7 +7,7 @@ use super::source::{Section, Source};
 use super::version_4::Entities;
 use super::{version_2, version_4};
 use crate::mesh::MeshError;
-use crate::mesh::file_error::{FileError, FileProblem, Place};
+use crate::mesh::file_error::{FileError, FilePosition, FileProblem};
 
 /// Reads the tables of a Gmsh file.
 pub(in crate::mesh::files) fn read(content: &[u8]) -> Result<Tables, MeshError> {
@@ -36,7 +36,7 @@ pub(in crate::mesh::files) fn read(content: &[u8]) -> Result<Tables, MeshError> 
     for (name, section) in [("MeshFormat", "$MeshFormat"), ("Nodes", "$Nodes"), ("Elements", "$Elements")] {
         if !seen.contains(&name) {
             if seen.is_empty() {
-                return Err(FileError { at: Place::Line(1), problem: FileProblem::OtherFormat { found: format_of(content) } }.into());
+                return Err(FileError { at: FilePosition::Line(1), problem: FileProblem::OtherFormat { found: format_of(content) } }.into());
             }
             return source.fail(FileProblem::MissingSection { section });
         }

@@ -7,7 +7,7 @@ use std::str::{FromStr, SplitAsciiWhitespace};
 
 use super::super::text::shortened;
 use crate::mesh::MeshError;
-use crate::mesh::file_error::{FileError, FileProblem, Place};
+use crate::mesh::file_error::{FileError, FilePosition, FileProblem};
 
 /// Encoding of numbers.
 #[derive(Clone, Copy, PartialEq)]
@@ -30,7 +30,7 @@ pub(super) struct Section {
     /// Name with its dollar sign.
     pub name: &'static str,
     /// Start of the section.
-    pub begin: Place,
+    pub begin: FilePosition,
     /// Announced number of entries.
     pub announced: usize,
     /// Entries read.
@@ -43,12 +43,12 @@ impl Section {
         Section { name, begin: source.place(), announced: 0, found: 0 }
     }
 
-    fn truncated(&self, at: Place) -> MeshError {
+    fn truncated(&self, at: FilePosition) -> MeshError {
         let Section { name, begin, announced, found } = *self;
         FileError { at, problem: FileProblem::Truncated { section: name.into(), begin, found, announced } }.into()
     }
 
-    fn miscounted(&self, at: Place, found: usize) -> MeshError {
+    fn miscounted(&self, at: FilePosition, found: usize) -> MeshError {
         let Section { name, announced, .. } = *self;
         FileError { at, problem: FileProblem::Count { section: name, announced, found } }.into()
     }
@@ -61,10 +61,10 @@ impl<'a> Source<'a> {
     }
 
     /// Current place: the line that was returned last, or the next byte.
-    pub fn place(&self) -> Place {
+    pub fn place(&self) -> FilePosition {
         match self.encoding {
-            Encoding::Text => Place::Line(self.line),
-            Encoding::Binary { .. } => Place::Byte(self.length - self.rest.len()),
+            Encoding::Text => FilePosition::Line(self.line),
+            Encoding::Binary { .. } => FilePosition::Byte(self.length - self.rest.len()),
         }
     }
 
@@ -165,7 +165,7 @@ impl<'a> Source<'a> {
                     Ok(())
                 }
                 None => {
-                    let at = Place::Byte(self.length);
+                    let at = FilePosition::Byte(self.length);
                     let section = shortened(&format!("${name}"));
                     Err(FileError { at, problem: FileProblem::Truncated { section, begin, found: 0, announced: 0 } }.into())
                 }
@@ -188,12 +188,12 @@ pub(super) struct Entry<'s, 'a> {
     words: SplitAsciiWhitespace<'a>,
     text: &'a str,
     section: Section,
-    at: Place,
+    at: FilePosition,
 }
 
 impl<'a> Entry<'_, 'a> {
     /// Start of the entry.
-    pub fn place(&self) -> Place {
+    pub fn place(&self) -> FilePosition {
         self.at
     }
 
@@ -208,7 +208,7 @@ impl<'a> Entry<'_, 'a> {
     /// The next bytes of a binary file, the least significant one first.
     fn bytes<const N: usize>(&mut self, is_little: bool) -> Result<[u8; N], MeshError> {
         let Some((&found, rest)) = self.source.rest.split_first_chunk::<N>() else {
-            return Err(self.section.truncated(Place::Byte(self.source.length)));
+            return Err(self.section.truncated(FilePosition::Byte(self.source.length)));
         };
         self.source.rest = rest;
         let mut found = found;

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::super::tables::{Shape, Tables};
 use crate::elements::CellKind;
 use crate::mesh::MeshError;
-use crate::mesh::file_error::{FileError, FileProblem, Place};
+use crate::mesh::file_error::{FileError, FilePosition, FileProblem};
 
 /// Largest number of different values of an array of groups; an array with more values contains cell numbers.
 const MOST_GROUPS: usize = 256;
@@ -23,7 +23,7 @@ pub(super) struct GridPiece {
     /// Arrays of whole numbers, one for each cell.
     pub groups: Vec<(String, Vec<i64>)>,
     /// Places of the points and of the cells.
-    pub at: [Place; 2],
+    pub at: [FilePosition; 2],
 }
 
 /// Nodes, cells and group numbers read from a VTK file, with the names of ignored arrays.
@@ -100,7 +100,7 @@ impl Content {
         numbers
     }
 
-    fn add_cell(&mut self, number: u64, vtk_type: i64, nodes: &[u64], groups: u32, at: Place) -> Result<(), MeshError> {
+    fn add_cell(&mut self, number: u64, vtk_type: i64, nodes: &[u64], groups: u32, at: FilePosition) -> Result<(), MeshError> {
         let row_of = |vtk_type: i64| CellKind::ALL.iter().copied().find(|kind| i64::from(kind.row().vtk_type) == vtk_type);
         let cell = |kind| Some((Shape::Cell(kind), &[][..]));
         // Polygons of three and four nodes, pixels, voxels, and cells with nodes in their faces are converted to supported kinds.

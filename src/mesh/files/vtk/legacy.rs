@@ -3,7 +3,7 @@
 use super::data::{Numbers, Scalar, of_bytes, of_text};
 use super::grid::{Content, GridPiece};
 use crate::mesh::MeshError;
-use crate::mesh::file_error::{FileError, FileProblem, Place};
+use crate::mesh::file_error::{FileError, FilePosition, FileProblem};
 use crate::mesh::files::words::malformed;
 
 /// Reads the content of a VTK file in the legacy format.
@@ -67,7 +67,7 @@ enum Section {
 }
 
 impl GridPiece {
-    fn empty(at: Place) -> GridPiece {
+    fn empty(at: FilePosition) -> GridPiece {
         GridPiece { points: Vec::new(), connectivity: Vec::new(), ends: Vec::new(), types: Vec::new(), groups: Vec::new(), at: [at; 2] }
     }
 }
@@ -202,13 +202,13 @@ struct File<'a> {
 
 impl File<'_> {
     /// Line of a text, or byte of a binary file.
-    fn place(&self) -> Place {
+    fn place(&self) -> FilePosition {
         if self.is_binary {
-            return Place::Byte(self.at);
+            return FilePosition::Byte(self.at);
         }
         let read = &self.bytes[..self.at];
         let lines = read.iter().filter(|&&byte| byte == b'\n').count();
-        Place::Line(lines + usize::from(!read.ends_with(b"\n")))
+        FilePosition::Line(lines + usize::from(!read.ends_with(b"\n")))
     }
 
     /// The next line without surrounding space; `None` at the end.

@@ -10,7 +10,7 @@ use super::super::text::utf8;
 use super::data::{Layout, Numbers, Scalar, of_base64, of_bytes, of_text, unpacked};
 use super::grid::{Content, GridPiece};
 use crate::mesh::MeshError;
-use crate::mesh::file_error::{FileError, FileProblem, Place};
+use crate::mesh::file_error::{FileError, FilePosition, FileProblem};
 
 /// Tag after which bytes follow that are not XML.
 const APPENDED: &[u8] = b"<AppendedData";
@@ -24,7 +24,7 @@ pub(in crate::mesh::files) fn read(bytes: &[u8]) -> Result<Content, MeshError> {
     }
     let document = Document::parse(&head).map_err(|error| {
         let problem = FileProblem::Undecodable { what: "the XML".into(), reason: error.to_string() };
-        FileError { at: Place::Line(error.pos().row as usize), problem }
+        FileError { at: FilePosition::Line(error.pos().row as usize), problem }
     })?;
     let file = File::new(&document, &bytes[head_end..])?;
     let mut content = Content::new();
@@ -164,8 +164,8 @@ fn arrays_of<'a, 'input>(node: Node<'a, 'input>) -> impl Iterator<Item = Node<'a
     node.children().filter(|node| node.has_tag_name("DataArray"))
 }
 
-fn line_of(node: Node) -> Place {
-    Place::Line(node.document().text_pos_at(node.range().start).row as usize)
+fn line_of(node: Node) -> FilePosition {
+    FilePosition::Line(node.document().text_pos_at(node.range().start).row as usize)
 }
 
 fn undecodable(array: Node, reason: String) -> MeshError {

@@ -14,7 +14,7 @@ use crate::script::language::failure::Failure;
 use crate::script::language::function::{Call, Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
 use crate::script::language::parameter::{Absent, Kind, Parameter};
-use crate::script::language::sources::Place;
+use crate::script::language::sources::SourceSpan;
 use crate::script::language::values::{as_number, describe};
 use crate::script::language::wording::{did_you_mean, listed};
 
@@ -92,7 +92,7 @@ pub fn refused(argument: &Argument, error: &EnergyError) -> Failure {
 }
 
 /// Place of an error inside a string literal of the script; `None` unless the literal contains the text verbatim.
-fn inside(place: Place, error: &EnergyError) -> Option<Place> {
+fn inside(place: SourceSpan, error: &EnergyError) -> Option<SourceSpan> {
     let literal = place.text.get(place.range.clone())?;
     let held = literal.get(1..literal.len().checked_sub(1)?)?;
     if *held != *error.text || !(literal.starts_with('"') || literal.starts_with('`')) {
@@ -101,7 +101,7 @@ fn inside(place: Place, error: &EnergyError) -> Option<Place> {
     let start = place.range.start + 1 + error.span.start;
     // An error at the end of the text is shown at the closing quote.
     let end = start + error.span.len().max(1);
-    Some(Place { range: start..end, ..place })
+    Some(SourceSpan { range: start..end, ..place })
 }
 
 /// Returns the values of the constants: every key that is no option must be named in a text. Constants without a value are reported by the

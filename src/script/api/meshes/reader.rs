@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use rhai::Dynamic;
 
 use super::handle::MeshHandle;
-use crate::mesh::{self, FileNote, MeshError, Place, ReadOptions, Shells, Structural};
+use crate::mesh::{self, FileNote, FilePosition, MeshError, ReadOptions, Shells, Structural};
 use crate::script::api::files::writing::{path_parameter, write};
 use crate::script::api::remedies::ScriptWords;
 use crate::script::language::arguments::{Argument, Arguments, Options};
@@ -125,8 +125,8 @@ pub fn read_failure(argument: &Argument, path: &str, file: &Path, error: &MeshEr
         included.into_iter().fold(failure, |failure, name| failure.cause(format!("it is in the file \"{name}\" that is included")));
     let failure = match error.place() {
         None => failure,
-        Some(Place::Byte(byte)) => failure.cause(format!("it shows at byte {byte} of the file")),
-        Some(Place::Line(number)) => match file_line(file, number) {
+        Some(FilePosition::Byte(byte)) => failure.cause(format!("it shows at byte {byte} of the file")),
+        Some(FilePosition::Line(number)) => match file_line(file, number) {
             Some(text) => failure.cause(format!("line {number} of the file reads `{text}`")),
             None => failure.cause(format!("it shows in line {number} of the file")),
         },

@@ -7,7 +7,7 @@ use super::kinds::{PLANE, element, kind_of};
 use super::layers;
 use crate::math::catalogue::Interval;
 use crate::math::tolerances::SUM_OF_LENGTHS;
-use crate::mesh::{self, CellSize, Curve, MeshError, SelectionError, Side};
+use crate::mesh::{self, CellSize, Curve, MeshError, OutlineSide, SelectionError};
 use crate::script::api::remedies::ScriptWords;
 use crate::script::language::arguments::{Argument, Arguments, Options};
 use crate::script::language::callback::Callback;
@@ -62,7 +62,7 @@ impl Handle for CurveHandle {
 
 impl CurveHandle {
     /// Returns the curve from a point on; a circle has its own starting point.
-    fn side(&self, from: Point) -> Result<Side, MeshError> {
+    fn side(&self, from: Point) -> Result<OutlineSide, MeshError> {
         let curve = match &self.kind {
             CurveKind::Line { to } => Curve::line(from, *to),
             CurveKind::ArcAbout { to, center, is_clockwise } => Curve::arc(from, *to, *center, *is_clockwise),
@@ -70,7 +70,7 @@ impl CurveHandle {
             CurveKind::Spline { points } => Curve::spline(std::iter::once(from).chain(points.iter().copied()).collect()),
             CurveKind::Circle { center, radius } => Curve::circle(*center, *radius),
         };
-        Ok(Side { curve: curve?, name: self.name.clone() })
+        Ok(OutlineSide { curve: curve?, name: self.name.clone() })
     }
 }
 
@@ -122,7 +122,7 @@ fn region() -> Function {
             let outline = closed_loop(&argument, &argument.value())?;
             let argument = options.argument("holes");
             let holes = if argument.is_given() { argument.array()? } else { Array::new() };
-            let holes: Vec<Vec<Side>> = holes.iter().map(|hole| closed_loop(&argument, hole)).collect::<Result<_, Failure>>()?;
+            let holes: Vec<Vec<OutlineSide>> = holes.iter().map(|hole| closed_loop(&argument, hole)).collect::<Result<_, Failure>>()?;
             let even = as_number(&options.argument("size").value()).filter(|size| size.is_finite() && *size > 0.0);
             let made = match even {
                 Some(size) => {
@@ -186,7 +186,7 @@ fn with_size<T>(options: &Options, make: impl FnOnce(CellSize<SizeError>) -> Res
 }
 
 /// The curves of an outline or a hole.
-fn closed_loop(argument: &Argument, value: &Dynamic) -> Result<Vec<Side>, Failure> {
+fn closed_loop(argument: &Argument, value: &Dynamic) -> Result<Vec<OutlineSide>, Failure> {
     let engine = argument.call().engine();
     let refused = |error: MeshError| argument.fail(error.to_string()).code(error.code()).hint(error.remedy());
     let is_circle = |curve: &CurveHandle| matches!(curve.kind, CurveKind::Circle { .. });
@@ -207,7 +207,7 @@ fn closed_loop(argument: &Argument, value: &Dynamic) -> Result<Vec<Side>, Failur
     let Some(start) = entries.first().and_then(point_of) else {
         return Err(wrong(entries.first().map_or("it is empty".into(), |entry| format!("it begins with {}", describe(engine, entry)))));
     };
-    let mut sides: Vec<Side> = Vec::new();
+    let mut sides: Vec<OutlineSide> = Vec::new();
     let mut first = None;
     let mut at = start;
     for entry in &entries[1..] {
@@ -227,7 +227,7 @@ fn closed_loop(argument: &Argument, value: &Dynamic) -> Result<Vec<Side>, Failur
         // closed but for round-off: a line in between would be a side of no length
         sides[0] = first.side(at).map_err(refused)?;
     } else if at != start {
-        sides.push(Side { curve: Curve::line(at, start).map_err(refused)?, name: None });
+        sides.push(OutlineSide { curve: Curve::line(at, start).map_err(refused)?, name: None });
     }
     Ok(sides)
 }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use crate::dynamics::Model;
 use crate::script::api::time_functions::RecordedTimeFunction;
-use crate::script::language::sources::Place;
+use crate::script::language::sources::SourceSpan;
 
 /// A load with its place in the script, for the warning about a load that never acted.
 #[derive(Clone)]
@@ -16,7 +16,7 @@ pub struct LoadNote {
     /// Dimension of the load.
     pub dimension: &'static str,
     /// Place of the definition.
-    pub place: Option<Place>,
+    pub place: Option<SourceSpan>,
     /// Time function of the load.
     pub amplitude: Arc<RecordedTimeFunction>,
 }
@@ -29,16 +29,16 @@ pub struct ModelData {
     /// Loads with their places.
     pub loads: Vec<LoadNote>,
     /// Contact pairs by name, with their places.
-    pub contacts: Vec<(String, Option<Place>)>,
+    pub contacts: Vec<(String, Option<SourceSpan>)>,
     /// True if a simulation was made of the model.
     pub is_simulated: bool,
     /// Name and place of the first change after the last simulation.
-    pub unseen: Option<(String, Option<Place>)>,
+    pub unseen: Option<(String, Option<SourceSpan>)>,
 }
 
 impl ModelData {
     /// Returns the place of the definition of a contact pair.
-    pub fn place_of_contact(&self, name: &str) -> Option<Place> {
+    pub fn place_of_contact(&self, name: &str) -> Option<SourceSpan> {
         self.contacts.iter().find(|(known, _)| known == name).and_then(|(_, place)| place.clone())
     }
 }

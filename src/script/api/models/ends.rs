@@ -4,7 +4,7 @@ use rhai::Map;
 
 use super::arguments::{body_boundary, body_of, node_at};
 use super::handle::{BodyHandle, BoundaryHandle, ModelHandle};
-use crate::bodies::{Frame, nodal_areas};
+use crate::bodies::{BarycentricMap, nodal_areas};
 use crate::dynamics::End;
 use crate::materials::{EnergyError, ScalarText};
 use crate::math::norms::largest_extent;
@@ -94,7 +94,7 @@ fn end_of(options: &Options, model: &ModelHandle, key: &str, point_key: &str) ->
 /// Returns a point on a rigid body by the weights of its masters, if the point is no node.
 fn on_rigid(argument: &Argument, body: &BodyHandle) -> Result<Option<Vec<(u32, f64)>>, Failure> {
     let definition = body.definition();
-    let Some(frame) = definition.rigid.and_then(|_| Frame::new(&definition.mesh)) else { return Ok(None) };
+    let Some(frame) = definition.rigid.and_then(|_| BarycentricMap::new(&definition.mesh)) else { return Ok(None) };
     let point = argument.vector(definition.mesh.dimension())?;
     if body.model.0.borrow().model.nearest_node(body.index, point).1 <= SAME_NODE * largest_extent(definition.mesh.points.iter()) {
         return Ok(None);

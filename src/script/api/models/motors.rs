@@ -8,7 +8,7 @@ use super::arguments::body_of;
 use super::change::change;
 use super::ends::{GROUND, end_parameters, ends_of};
 use super::handle::{BodyHandle, ModelHandle};
-use crate::bodies::Frame;
+use crate::bodies::BarycentricMap;
 use crate::dynamics::{ActuatorDefinition, ActuatorElement, AxisRotation, MotorDefinition};
 use crate::script::api::examples::{TOUCH, plate_example};
 use crate::script::api::time_functions::amplitude_of;
@@ -112,7 +112,7 @@ fn masters_of(argument: &Argument, model: &ModelHandle, what: &str) -> Result<Bo
     let index = body_of(argument, model)?.index;
     let data = model.0.borrow();
     let body = &data.model.bodies[index];
-    match Frame::new(&body.mesh).filter(|_| body.rigid.is_some()) {
+    match BarycentricMap::new(&body.mesh).filter(|_| body.rigid.is_some()) {
         Some(frame) => Ok((index, frame.masters)),
         None => {
             let failure = argument.fail(format!("body \"{}\" deforms, and {what} rigid bodies", body.name)).code(causes::BODY_KIND);

@@ -60,7 +60,7 @@ pub struct Artifacts {
 
 /// Origin of the first steps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Start {
+pub enum FirstSteps {
     /// Steps computed by this process; files begin anew.
     Anew,
     /// Steps computed by an earlier process, which has written their files.
@@ -79,13 +79,13 @@ impl Artifacts {
         keeping: &RecordingLimits,
         row: &LedgerRow,
         further: Columns,
-        start: Start,
+        start: FirstSteps,
     ) -> Result<Option<Self>, Failure> {
         let begun = Instant::now();
         let open = || {
             let Some(root) = RunFolder::of(host).files(host)? else { return Ok(None) };
             let files = name.map_or(Ok(root.clone()), |name| root.below(&file_name(name)))?;
-            let recalls = start == Start::Recalled;
+            let recalls = start == FirstSteps::Recalled;
             let Columns { probes, units } = further;
             let columns = names(model_columns(model).into_iter().chain(probes.clone()).collect());
             let mut csv = if recalls {

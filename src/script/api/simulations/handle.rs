@@ -29,7 +29,7 @@ use crate::script::language::function::Call;
 use crate::script::language::handle::Handle;
 use crate::script::language::host::Host;
 use crate::script::language::scan::Target;
-use crate::script::language::sources::Place;
+use crate::script::language::sources::SourceSpan;
 
 /// A running simulation with the data of the script layer.
 pub struct SimulationData {
@@ -38,7 +38,7 @@ pub struct SimulationData {
     /// Name of the simulation: that of the model, numbered if there are several.
     pub name: String,
     /// Place of the creation in the script.
-    pub place: Option<Place>,
+    pub place: Option<SourceSpan>,
     /// Overlaps at the start, until `settle` has removed them or the script has accepted them.
     pub overlaps: RefCell<Vec<Overlap>>,
     /// True if the script has accepted the overlaps at the start.

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use rhai::Dynamic;
 
-use super::artifacts::{Artifacts, Columns, RecordingLimits, Start};
+use super::artifacts::{Artifacts, Columns, FirstSteps, RecordingLimits};
 use super::columns::{Probe, probe_columns};
 use super::doubts::warn_of_numbers;
 use super::following;
@@ -376,7 +376,7 @@ pub fn create(
     let units = model_units(call.host, &model.model).filter(|_| is_same);
     let journal = Journal::of(call.host);
     journal.begin(call.host).map_err(|error| output_failure(&error))?;
-    let start = if journal.is_recalling() { Start::Recalled } else { Start::Anew };
+    let start = if journal.is_recalling() { FirstSteps::Recalled } else { FirstSteps::Anew };
     let number = (!is_study(call.host)).then(|| Simulations::of(call.host).0.borrow().len());
     let journal = number.map(|number| (journal, number));
     let columns = probe_columns(&model.model, &probes);

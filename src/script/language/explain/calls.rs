@@ -11,11 +11,11 @@ use crate::script::language::habits;
 use crate::script::language::handle::Types;
 use crate::script::language::parameter::Kind;
 use crate::script::language::registry::Registry;
-use crate::script::language::sources::Place;
+use crate::script::language::sources::SourceSpan;
 use crate::script::language::wording::{did_you_mean, joined, listed, with_article};
 
 /// Returns a corrected call if the called name is a variable of the script.
-fn call_of_variable(name: &str, place: &Place) -> Option<String> {
+fn call_of_variable(name: &str, place: &SourceSpan) -> Option<String> {
     let text: &str = &place.text;
     let is_word = |letter: char| letter.is_alphanumeric() || letter == '_';
     let is_bound = |(at, _): (usize, &str)| {
@@ -42,7 +42,7 @@ const LONG: usize = 40;
 
 impl Explainer<'_> {
     /// Message on a call whose name and argument types match no function.
-    pub(super) fn unknown_function(&self, signature: &str, source: &str, place: Option<&Place>) -> Diagnostic {
+    pub(super) fn unknown_function(&self, signature: &str, source: &str, place: Option<&SourceSpan>) -> Diagnostic {
         let (name, given) = split_signature(signature);
         if !name.chars().next().is_some_and(|first| first.is_alphabetic() || first == '_') {
             return self.unknown_operator(name, &given);

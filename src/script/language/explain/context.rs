@@ -5,7 +5,7 @@ use rhai::{Engine, Position};
 use super::phrases::short_type;
 use crate::script::language::host::Host;
 use crate::script::language::scan::{self, Target};
-use crate::script::language::sources::Place;
+use crate::script::language::sources::SourceSpan;
 
 /// Name of a function with its parameters, or with their types.
 pub(super) type Signature = (String, Vec<String>);
@@ -18,7 +18,7 @@ pub(super) struct Explainer<'a> {
 
 impl Explainer<'_> {
     /// Returns the source place of the call at a position.
-    pub(super) fn place(&self, source: &str, position: Position) -> Option<Place> {
+    pub(super) fn place(&self, source: &str, position: Position) -> Option<SourceSpan> {
         self.host.place(self.engine, source, position, &Target::Call, false)
     }
 

@@ -6,10 +6,10 @@
 
 use rhai::{Engine, EvalAltResult, ParseErrorType};
 
-use super::diagnostics::{Diagnostic, Frame};
+use super::diagnostics::{CallFrame, Diagnostic};
 use super::failure::{Class, Failure};
 use super::host::Host;
-use super::sources::Place;
+use super::sources::SourceSpan;
 use crate::script::language::scan;
 use context::Explainer;
 use phrases::call_title;
@@ -26,7 +26,7 @@ pub fn explain(host: &Host, engine: &Engine, error: &EvalAltResult, source: &str
     let mut frames = Vec::new();
     let mut diagnostic = Explainer { host, engine }.walk(error, source, &mut frames);
     frames.reverse();
-    let relocate = |place: &mut Option<Place>| *place = place.take().map(|place| host.sources.relocate(place));
+    let relocate = |place: &mut Option<SourceSpan>| *place = place.take().map(|place| host.sources.relocate(place));
     frames.iter_mut().for_each(|frame| relocate(&mut frame.place));
     relocate(&mut diagnostic.place);
     diagnostic.frames = frames;
@@ -75,12 +75,12 @@ fn code_of(error: &EvalAltResult) -> &'static str {
 }
 
 impl Explainer<'_> {
-    fn walk(&self, error: &EvalAltResult, source: &str, frames: &mut Vec<Frame>) -> Diagnostic {
+    fn walk(&self, error: &EvalAltResult, source: &str, frames: &mut Vec<CallFrame>) -> Diagnostic {
         use EvalAltResult::{ErrorInFunctionCall, ErrorInModule, ErrorRuntime, ErrorTerminated};
         match error {
             ErrorInFunctionCall(name, inner_source, inner, position) => {
                 let place = self.place(source, *position);
-                frames.push(Frame { title: call_title(name, place.as_ref()), place });
+                frames.push(CallFrame { title: call_title(name, place.as_ref()), place });
                 self.walk(inner, if inner_source.is_empty() { source } else { inner_source }, frames)
             }
             ErrorInModule(path, inner, position) => {
@@ -88,7 +88,7 @@ impl Explainer<'_> {
                 if matches!(**inner, EvalAltResult::ErrorModuleNotFound(..)) {
                     return self.walk(inner, source, frames);
                 }
-                frames.push(Frame { title: "in the module imported here".into(), place: self.place(source, *position) });
+                frames.push(CallFrame { title: "in the module imported here".into(), place: self.place(source, *position) });
                 self.walk(inner, &inner_source, frames)
             }
             ErrorRuntime(value, position) | ErrorTerminated(value, position) if value.is::<Failure>() => {
@@ -96,7 +96,7 @@ impl Explainer<'_> {
                 let place = failure.origin.clone();
                 let place = place.or_else(|| self.host.place(self.engine, source, *position, &failure.target, failure.method));
                 if let Some(inner) = &failure.inner {
-                    frames.push(Frame { title: failure.title.clone(), place });
+                    frames.push(CallFrame { title: failure.title.clone(), place });
                     return self.walk(&inner.error, &inner.source, frames);
                 }
                 Diagnostic { place, label: failure.label.clone(), ..explain_failure(&failure) }
@@ -113,7 +113,7 @@ impl Explainer<'_> {
     }
 
     /// Returns a more precise place than that of the engine.
-    fn better_place(&self, error: &EvalAltResult, source: &str, place: Option<&Place>) -> Option<Place> {
+    fn better_place(&self, error: &EvalAltResult, source: &str, place: Option<&SourceSpan>) -> Option<SourceSpan> {
         let main = self.host.main.borrow().clone();
         let source = if source.is_empty() { main.as_str() } else { source };
         let text = self.host.sources.text(source)?;
@@ -135,6 +135,6 @@ impl Explainer<'_> {
             EvalAltResult::ErrorDataRace(what, position) if position.is_none() => scan::self_use(&lexemes, what.split('\'').nth(1)?)?,
             _ => return None,
         };
-        Some(Place { source: source.to_string(), text, range })
+        Some(SourceSpan { source: source.to_string(), text, range })
     }
 }

@@ -8,12 +8,12 @@ use crate::script::language::function::Form;
 use crate::script::language::habits;
 use crate::script::language::registry::Registry;
 use crate::script::language::scan;
-use crate::script::language::sources::Place;
+use crate::script::language::sources::SourceSpan;
 use crate::script::language::wording::{did_you_mean, listed};
 
 impl Explainer<'_> {
     /// Returns the message of a variable that is not declared where it is used.
-    pub(super) fn unknown_variable(&self, name: &str, source: &str, place: Option<&Place>) -> Diagnostic {
+    pub(super) fn unknown_variable(&self, name: &str, source: &str, place: Option<&SourceSpan>) -> Diagnostic {
         let mut diagnostic = Diagnostic::error(Class::Script, format!("there is no variable `{name}`"));
         let declared = self.lexemes(source).map(|lexemes| scan::declared(&lexemes)).unwrap_or_default();
         let registry = Registry::of(self.host);

@@ -1,7 +1,7 @@
 //! Words and types of the engine in terms of the language.
 
 use crate::script::language::limits::{MAX_ARRAY, MAX_MAP, MAX_STRING};
-use crate::script::language::sources::Place;
+use crate::script::language::sources::SourceSpan;
 use crate::script::language::wording::with_article;
 
 /// Names in order, each once.
@@ -114,7 +114,7 @@ pub(super) fn size_limit(what: &str) -> String {
 }
 
 /// Returns the description of a call in the chain of calls.
-pub(super) fn call_title(name: &str, place: Option<&Place>) -> String {
+pub(super) fn call_title(name: &str, place: Option<&SourceSpan>) -> String {
     if !name.starts_with("anon$") {
         return format!("in the call of `{name}`");
     }

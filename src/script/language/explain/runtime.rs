@@ -7,11 +7,11 @@ use super::phrases::{arithmetic_hint, count_of, lower, size_limit, size_subject,
 use crate::script::language::diagnostics::Diagnostic;
 use crate::script::language::failure::Class;
 use crate::script::language::limits::MAX_CALL_LEVELS;
-use crate::script::language::sources::Place;
+use crate::script::language::sources::SourceSpan;
 
 impl Explainer<'_> {
     /// Message on a run-time error of the engine.
-    pub(super) fn reword(&self, error: &EvalAltResult, source: &str, place: Option<&Place>) -> Diagnostic {
+    pub(super) fn reword(&self, error: &EvalAltResult, source: &str, place: Option<&SourceSpan>) -> Diagnostic {
         use EvalAltResult::*;
         let script = |title: String| Diagnostic::error(Class::Script, title);
         match error {
@@ -94,7 +94,7 @@ impl Explainer<'_> {
 }
 
 /// True if the indexed expression at a place is a column of a history.
-fn is_of_history(place: &Place) -> bool {
+fn is_of_history(place: &SourceSpan) -> bool {
     let before = place.text.get(..place.range.start).unwrap_or("").trim_end_matches('[');
     before.rsplit(|letter: char| !(letter.is_alphanumeric() || letter == '_' || letter == '.')).next().unwrap_or("").contains(".history")
 }

@@ -7,11 +7,11 @@ use super::phrases::{count_of, lower, missing_hint, type_hint, type_phrase};
 use crate::script::language::diagnostics::Diagnostic;
 use crate::script::language::failure::Class;
 use crate::script::language::habits;
-use crate::script::language::sources::Place;
+use crate::script::language::sources::SourceSpan;
 
 impl Explainer<'_> {
     /// Message on a syntax error.
-    pub(super) fn reword_syntax(&self, kind: &ParseErrorType, source: &str, place: Option<&Place>) -> Diagnostic {
+    pub(super) fn reword_syntax(&self, kind: &ParseErrorType, source: &str, place: Option<&SourceSpan>) -> Diagnostic {
         let word = place.map_or("", |place| &place.text[place.range.clone()]);
         let script = |title: String| Diagnostic::error(Class::Script, title);
         match kind {

@@ -9,7 +9,7 @@ use crate::contact::PredictedMotion;
 use crate::dynamics::model::step_error::StepError;
 use crate::dynamics::step::failure::Failure;
 use crate::dynamics::step::iterate::Linearization;
-use crate::dynamics::step::scheme_memory::{ForceHistory, SchemeMemory};
+use crate::dynamics::step::scheme_history::{ForceHistory, SchemeHistory};
 use crate::dynamics::step::start::{StepKind, StepStart};
 use crate::integrators::{Derivative, History};
 
@@ -25,7 +25,7 @@ where
     pub(super) fn remember(&mut self) -> Result<(), StepError> {
         let state = self.state.clone();
         if self.options.integrator.remembers.is_empty() {
-            Arc::make_mut(&mut self.state).remembered = Arc::default();
+            Arc::make_mut(&mut self.state).scheme_history = Arc::default();
             return Ok(());
         }
         if self.options.integrator.lumping().is_some() {
@@ -39,26 +39,26 @@ where
         self.count_turns();
         let begun = self.system.begin_step(&PredictedMotion::within(&state.positions, 0.0)).map_err(Failure::Linear);
         let at = begun.and_then(|()| self.system.linearize(&start, q_0, &vec![0.0; q_0.len()], &state.lambda));
-        let remembered = at.and_then(|at| self.memory_at(&start, &at).map(|memory| (at, memory)));
-        let (at, remembered) = remembered.map_err(|failure| self.error_of(failure))?;
-        Arc::make_mut(&mut self.state).remembered = Arc::new(remembered);
+        let scheme_history = at.and_then(|at| self.memory_at(&start, &at).map(|memory| (at, memory)));
+        let (at, scheme_history) = scheme_history.map_err(|failure| self.error_of(failure))?;
+        Arc::make_mut(&mut self.state).scheme_history = Arc::new(scheme_history);
         self.system.recycle(at);
         Ok(())
     }
 
     /// History variables of the time integrator for the forces at an iterate at rest.
-    fn memory_at(&mut self, start: &StepStart, at: &Linearization) -> Result<SchemeMemory, Failure> {
+    fn memory_at(&mut self, start: &StepStart, at: &Linearization) -> Result<SchemeHistory, Failure> {
         let scheme = self.options.integrator;
-        let (forces, mut remembered) = (&at.forces, SchemeMemory { of: scheme.describe(), ..SchemeMemory::default() });
+        let (forces, mut scheme_history) = (&at.forces, SchemeHistory { of: scheme.describe(), ..SchemeHistory::default() });
         // Forces of contacts with friction enter only their own step.
         let mut lagging: Vec<f64> = (0..at.q_1.len()).map(|k| forces.residual(k)).collect();
         self.system.alone_into(start, at, &mut lagging);
         let residual = |factor: f64| lagging.iter().map(|force| factor * force).collect();
         if scheme.remembers(History::Force) {
-            remembered.force.left = residual(forces.whole(scheme.left()));
+            scheme_history.force.left = residual(forces.whole(scheme.left()));
         }
         if scheme.remembers(History::Answered) {
-            remembered.force.answered = residual(forces.whole(1.0));
+            scheme_history.force.answered = residual(forces.whole(1.0));
         }
         let mut multipliers = at.lambda.clone();
         if scheme.remembers(History::Acceleration) {
@@ -66,16 +66,16 @@ where
             let accelerations = self.system.accelerations(at, given)?;
             // The elimination order may have changed.
             Arc::make_mut(&mut self.state).search = self.system.search();
-            remembered.force.left.iter_mut().zip(&accelerations.ties).for_each(|(force, tie)| *force -= scheme.left() * tie);
-            remembered.force.answered.iter_mut().zip(&accelerations.ties).for_each(|(force, tie)| *force -= tie);
-            remembered.acceleration = accelerations.nodes;
+            scheme_history.force.left.iter_mut().zip(&accelerations.ties).for_each(|(force, tie)| *force -= scheme.left() * tie);
+            scheme_history.force.answered.iter_mut().zip(&accelerations.ties).for_each(|(force, tie)| *force -= tie);
+            scheme_history.acceleration = accelerations.nodes;
             multipliers.iter_mut().zip(&accelerations.lambda).for_each(|(sum, tie)| *sum += tie);
         }
         if scheme.remembers(History::Force) {
             let outside = self.outside_at(start, at, &multipliers).map_err(Failure::Fatal)?;
-            remembered.outside = outside.map(|force| ForceHistory::steady(&scheme, &force));
+            scheme_history.outside = outside.map(|force| ForceHistory::steady(&scheme, &force));
         }
-        Ok(remembered)
+        Ok(scheme_history)
     }
 
     /// Loads, and forces of obstacles and of the ground, at an iterate at rest with the multipliers `lambda`.

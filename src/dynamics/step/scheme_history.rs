@@ -6,7 +6,7 @@ use crate::integrators::{History, Scheme};
 
 /// History variables of a time integrator besides positions and velocities; a vector that the scheme does not need is empty.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct SchemeMemory {
+pub struct SchemeHistory {
     /// Name of the integrator with its parameters; empty for a scheme without history variables.
     pub of: String,
     /// Time step size of the step that led here, 0 without a step of this integrator `[time]`.
@@ -66,7 +66,7 @@ impl ForceHistory {
     }
 }
 
-impl SchemeMemory {
+impl SchemeHistory {
     /// True if the history variables belong to `scheme`.
     pub fn is_of(&self, scheme: &Scheme) -> bool {
         self.of.is_empty() == scheme.remembers.is_empty() && (self.of.is_empty() || self.of == scheme.describe())
