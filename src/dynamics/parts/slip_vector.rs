@@ -199,8 +199,8 @@ impl<const N: usize> SlipVector<'_, N> {
     /// New state and magnitude of the violation that requires it, or `None`; `self` has the values of the frozen linearization at the
     /// iterate `iterate`.
     ///
-    /// The frozen equations of slip have the direction `e` of the trial at the iterate and leave the multiplier across `e` to the condition
-    /// of no slip across, so that stick and slip are decided along `e`: stick by `s . e <= L`, slip by `-u . e >= 0`. With `|s| <= L` no set
+    /// The frozen equations of slip have the direction `e` of the trial at the iterate and leave the multiplier across `e` to that of
+    /// no slip across, so that stick and slip are decided along `e`: stick by `s . e <= L`, slip by `-u . e >= 0`. With `|s| <= L` no set
     /// would be a solution where the multiplier of a node at its limit turns: across `e` it exceeds the limit in both states.
     pub fn change(&self, state: RowState, iterate: &Self) -> Option<(RowState, f64)> {
         let (dry, stop, c) = (self.dry(), self.stop(), self.pressed.c);

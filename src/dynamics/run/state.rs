@@ -37,6 +37,7 @@ pub struct State {
     /// Accumulated slip of the tangential constraints.
     pub(super) slipped: Vec<SlipMemory>,
     /// History variables of the time integrator.
+    #[serde(rename = "remembered")]
     pub(super) scheme_history: Arc<SchemeHistory>,
     /// History variables of every part, block by block; most are empty.
     pub(super) memory: Arc<Vec<Vec<f64>>>,
@@ -56,6 +57,7 @@ pub struct State {
     /// Attempt of Newton's method that the next step tries first.
     pub(super) preferred: PreferredAttempt,
     /// Time up to which the motion of obstacles is included in slips: that of the state, except while an equilibrium is computed.
+    #[serde(rename = "carried")]
     pub(super) slips_until: f64,
     /// End of the last step in which a load acted.
     pub(super) loads_ended: f64,

@@ -17,7 +17,8 @@ impl ConstraintRows {
         ConstraintRows(hold.iter().map(|hold| if *hold { Equation::held(0.0, 0.0) } else { Equation::OPEN }).collect())
     }
 
-    /// Adds a proximal term to the active ones of the first `normal_count` constraints: a compliance for changes of multipliers from `lambda`.
+    /// Adds a proximal term to the active ones of the first `normal_count` constraints: a compliance for changes of their multipliers from
+    /// `lambda`.
     /// Equations of tangential constraints include the term already.
     pub fn add_proximal(&mut self, normal_count: usize, terms: &[f64], lambda: &[f64]) {
         for (row, (term, lambda)) in self.0[..normal_count].iter_mut().zip(terms.iter().zip(lambda)) {
