@@ -1,4 +1,4 @@
-//! Curved surface of a face of second order: its normals and its center (for `second_order.rs`).
+//! Curved surface of a quadrilateral of second order: its normals and its center (for `second_order.rs`).
 //!
 //! Tangents along the lines of three nodes of a face are those of circles. For points of a circle at `u` and `v` from a third one, the
 //! vectors `u/|u|^2` and `v/|v|^2` differ by a vector along the tangent there. Parabolas would leave the circle by the angle `l^3/(32 r^3)`
@@ -16,33 +16,26 @@ fn tangent([other, last]: [Vector; 2], at: Vector) -> Vector {
     inverted(other) - inverted(last)
 }
 
-/// Normals of a face of second order at the corners of its facets, in the order of its flat pieces; `None` for faces of first order and
+/// Normals of a quadrilateral of second order at the corners of its facets, in the order of its flat pieces; `None` for other faces and
 /// where the face has no normal.
 pub fn corner_normals(face: &[u32], q: &[f64]) -> Vec<Option<[Vector; 4]>> {
     let pieces = flat_pieces(if face.len() == 8 { 9 } else { face.len() });
-    if face.len() <= 4 {
+    if face.len() <= 6 {
         return vec![None; pieces.len()];
     }
-    let count = if face.len() == 6 { 3 } else { 4 };
-    let x: Vec<Vector> = face[..2 * count].iter().map(|&node| faces::at(node, q)).collect();
-    let edge = |k: usize| [x[k % count], x[count + k % count], x[(k + 1) % count]];
-    // Line of three points from a mid-side node to the other side.
-    let inward = |k: usize| {
-        if count == 4 { [center(face, q), x[4 + (k + 2) % 4]] } else { [inside(edge(k), edge(k + 1), edge(k + 2)), x[(k + 2) % 3]] }
-    };
+    let x: Vec<Vector> = face[..8].iter().map(|&node| faces::at(node, q)).collect();
+    let edge = |k: usize| [x[k % 4], x[4 + k % 4], x[(k + 1) % 4]];
+    let center = center(face, q);
     let of_corner = |k: usize| {
-        let ([from, next, end], [start, last, _]) = (edge(k), edge(k + count - 1));
+        let ([from, next, end], [start, last, _]) = (edge(k), edge(k + 3));
         tangent([next, end], from).cross(&tangent([last, start], from))
     };
     let of_middle = |k: usize| {
         let [from, middle, end] = edge(k);
-        tangent([end, from], middle).cross(&tangent(inward(k), middle))
+        tangent([end, from], middle).cross(&tangent([center, x[4 + (k + 2) % 4]], middle))
     };
-    let mut normals: Vec<Vector> = (0..count).map(of_corner).chain((0..count).map(of_middle)).collect();
-    if count == 4 {
-        let center = center(face, q);
-        normals.push(tangent([x[5], x[7]], center).cross(&tangent([x[6], x[4]], center)));
-    }
+    let mut normals: Vec<Vector> = (0..4).map(of_corner).chain((0..4).map(of_middle)).collect();
+    normals.push(tangent([x[5], x[7]], center).cross(&tangent([x[6], x[4]], center)));
     let normals: Vec<Option<Vector>> = normals.iter().map(|normal| normal.try_normalize(0.0)).collect();
     let of_piece = |piece: &&[usize]| {
         let mut corners = [Vector::zeros(); 4];
@@ -52,17 +45,6 @@ pub fn corner_normals(face: &[u32], q: &[f64]) -> Vec<Option<[Vector; 4]>> {
         Some(corners)
     };
     pieces.iter().map(of_piece).collect()
-}
-
-/// Point of the surface through a face of six nodes halfway from the middle of the first of its edges to the opposite corner: over the
-/// middle of the chord between the two other mid-side nodes, as a circle with the curvature of the first edge.
-fn inside([a, middle, b]: [Vector; 3], [_, one, end]: [Vector; 3], [_, other, _]: [Vector; 3]) -> Vector {
-    let (chord, way) = (0.5 * (one + other), end - middle);
-    let offset = middle - 0.5 * (a + b);
-    let (height, length) = (offset.norm(), (b - a).norm());
-    // The offset is normal to the surface at the middle; halfway to the corner the surface is parallel to the way there.
-    let Some(normal) = (offset - way * (offset.dot(&way) / way.norm_squared())).try_normalize(0.0) else { return chord };
-    chord + normal * (0.25 * height * (1.0 - 3.0 * (height / length).powi(2)))
 }
 
 /// Center of the surface through the nodes of a face of eight or nine nodes; the ninth node unless it follows from the others.

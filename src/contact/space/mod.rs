@@ -21,6 +21,7 @@ mod pair;
 mod polygon;
 mod press_fit;
 mod profiles;
+mod quadric;
 mod rigid;
 mod rolling;
 mod round;

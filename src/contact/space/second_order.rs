@@ -27,6 +27,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::curved_face::{center, corner_normals};
 use super::exact_profile::exact_profile;
 use super::profiles::{Profile, across_triangles, profiles};
+use super::quadric::Quadric;
 use crate::contact::combinations::Combinations;
 use crate::contact::faces::{self, Vector};
 use crate::contact::facet_shape::FacetShape;
@@ -96,7 +97,15 @@ impl<'a> ProxySurfacesInSpace<'a> {
         let inner = sides[1].iter().zip(inner).flat_map(behind).collect();
         let truth = proxies.nodes(&seen, reference);
         let normals = sides.map(|faces| faces.iter().flat_map(|face| corner_normals(face, reference)).collect::<Vec<_>>());
-        let profiles = [(&secondary, &normals[0]), (&primary, &normals[1])].map(|(surface, of)| profiles(surface, &seen, &truth, of));
+        let mut profiles = [(&secondary, &normals[0]), (&primary, &normals[1])].map(|(surface, of)| profiles(surface, &seen, &truth, of));
+        for ((surface, faces), profiles) in [&secondary, &primary].into_iter().zip(sides).zip(&mut profiles) {
+            let pieces = faces.iter().flat_map(|face| vec![face; proxies.pieces(face).len()]);
+            for (facet, (face, profile)) in pieces.zip(profiles).enumerate().filter(|(_, (face, _))| face.len() == 6) {
+                let of_face = Quadric::through(face, reference)
+                    .and_then(|quadric| exact_profile(|x, normal| quadric.height(x, normal), surface.facet(facet), &seen));
+                *profile = of_face.unwrap_or(*profile);
+            }
+        }
         let on_faces = Some((points, homes, Sides::of(own, other, reference)));
         ProxySurfacesInSpace { secondary, primary, reference: seen.into(), curve: truth.into(), inner, profiles, on_faces }
     }
