@@ -7,7 +7,7 @@
 //! ```
 //!
 //! Three curvatures `k`, the normal and the offset of the plane are six unknowns for six nodes. Spheres and cylinders have this form for
-//! every direction of the face on them; the quadratic shape functions of the face leave a cylinder where its edges are inclined to the axis.
+//! every direction of the face on them; the quadratic shape functions of the face leave a cylinder where edges are inclined to its axis.
 
 use nalgebra::{Matrix2, Matrix6, Vector2, Vector6};
 
