@@ -46,7 +46,7 @@ const REVIEW: usize = 50;
 /// Time of an operation of a substitution relative to one of a factorization, taken smaller than it is (2.5), because a factorization
 /// discards the substitutions before it; and the least number of substitutions that are preferred to a factorization.
 const SLOWER: f64 = 1.5;
-const SUBSTITUTIONS: usize = 64;
+pub(super) const SUBSTITUTIONS: usize = 64;
 
 /// Factorization of a sequence of matrices: the order of elimination is kept while it is good, the structure while the pattern is
 /// unchanged.

@@ -7,7 +7,7 @@ use super::scaling::largest;
 use crate::math::tolerances;
 
 /// Largest number of iterative refinements. One restores full accuracy unless the factors are useless.
-const REFINEMENTS: usize = 2;
+pub(super) const REFINEMENTS: usize = 2;
 
 impl Factorization {
     /// Solves; `first` is the substituted right-hand side and the product of the matrix with it, if they are known.

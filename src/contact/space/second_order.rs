@@ -99,7 +99,7 @@ impl<'a> ProxySurfacesInSpace<'a> {
         let normals = sides.map(|faces| faces.iter().flat_map(|face| corner_normals(face, reference)).collect::<Vec<_>>());
         let mut profiles = [(&secondary, &normals[0]), (&primary, &normals[1])].map(|(surface, of)| profiles(surface, &seen, &truth, of));
         for ((surface, faces), profiles) in [&secondary, &primary].into_iter().zip(sides).zip(&mut profiles) {
-            let pieces = faces.iter().flat_map(|face| vec![face; proxies.pieces(face).len()]);
+            let pieces = faces.iter().flat_map(|face| std::iter::repeat_n(face, proxies.pieces(face).len()));
             for (facet, (face, profile)) in pieces.zip(profiles).enumerate().filter(|(_, (face, _))| face.len() == 6) {
                 let of_face = Quadric::through(face, reference)
                     .and_then(|quadric| exact_profile(|x, normal| quadric.height(x, normal), surface.facet(facet), &seen));

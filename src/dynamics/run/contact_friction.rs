@@ -53,7 +53,7 @@ pub fn add_friction<const D: usize>(contact: LoadedContact, corners: &[LoadedCon
         }
     }
     if D == 3 {
-        corner_shears.iter_mut().zip(&of_corners).for_each(|(corner_shears, force)| *corner_shears = size(force));
+        corner_shears.iter_mut().zip(&of_corners).for_each(|(shear, force)| *shear = size(force));
     }
     // Shear forces of several corner constraints add up even if their normal forces have different directions, and act at mid-step: their
     // sum is limited by the normal forces at the end.

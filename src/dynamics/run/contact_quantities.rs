@@ -211,7 +211,7 @@ fn smoothed(contact: LoadedContact, forces: &ContactForces, pressures: &[f64], q
     if kernel.is_nodal() || kernel.rows_per_node() > 1 {
         return pressures.to_vec();
     }
-    let of = |((mean, corner_forces), area): ((&f64, &f64), f64)| mean + if *corner_forces > 0.0 { corner_forces / area } else { 0.0 };
+    let of = |((mean, force), area): ((&f64, &f64), f64)| mean + if *force > 0.0 { force / area } else { 0.0 };
     let mut means: Vec<f64> = forces.mean.iter().zip(&forces.corner_forces).zip(areas(contact.pair, q)).map(of).collect();
     for index in (0..means.len()).filter(|&index| is_on_axis(contact.pair, index, q)) {
         means[index] = pressure_on_axis(contact, index, &means, q);

@@ -229,13 +229,13 @@ where
         self.visit(start, &at.q_1, &at.moved, &mut told);
         let iterate = start.iterate(&at.q_1, &at.u_1, &told);
         let mut heats = PartDissipation::default();
-        let results = self.parts().zip(start.memory).map(|(part, memory)| {
-            let results = part.after_step(&iterate, memory)?;
-            heats.push(&results);
-            Ok(results.memory)
+        let memories = self.parts().zip(start.memory).map(|(part, memory)| {
+            let result = part.after_step(&iterate, memory)?;
+            heats.push(&result);
+            Ok(result.memory)
         });
-        let results = results.collect::<Result<_, StepError>>()?;
-        Ok((Arc::new(results), heats))
+        let memories = memories.collect::<Result<_, StepError>>()?;
+        Ok((Arc::new(memories), heats))
     }
 
     /// History variables of all force elements after a step at rest, and the heat of each body in it `[energy]`. Only the variables of
@@ -255,9 +255,9 @@ where
         let (mut after, told, mut heats) = (memory.to_vec(), IterateInputs::default(), PartDissipation::default());
         let iterate = start.iterate(&at.q_1, &at.u_1, &told);
         for (body, kept) in self.bodies.iter().zip(&mut after) {
-            let results = body.after_step(&iterate, kept)?;
-            heats.push(&results);
-            *kept = results.memory;
+            let result = body.after_step(&iterate, kept)?;
+            heats.push(&result);
+            *kept = result.memory;
         }
         Ok((Arc::new(after), heats))
     }

@@ -16,8 +16,9 @@ use entries::{for_each_entry, is_symmetric};
 pub use launch::{MpiProcess, become_rank};
 
 use super::error::LinearError;
-use super::factorization::Factorization;
+use super::factorization::{Factorization, SUBSTITUTIONS};
 use super::pattern::{Couplings, Pattern};
+use super::refinement::REFINEMENTS;
 use super::scaling::{all_finite, largest, spread, vertex_scales};
 use super::solver::{LinearSolver, SolverMemory, TakenOver};
 use super::watch::InterruptWatch;
@@ -25,14 +26,8 @@ use super::work::Work;
 use crate::math::tolerances;
 use crate::math::workers::Workers;
 
-/// Largest number of iterative refinements.
-const REFINEMENTS: usize = 2;
-
 /// Couplings of the structure, relative to those of a matrix, above which couplings that became zero are dropped.
 const WORTH_KEEPING: f64 = 1.2;
-
-/// Number of right-hand sides whose substitution costs about as much as a factorization: the least of the direct solver.
-const SUBSTITUTIONS: usize = 64;
 
 /// Statuses of MUMPS for lack of memory: of integers and of real numbers.
 const OUT_OF_MEMORY: [i64; 3] = [-7, -13, -19];
