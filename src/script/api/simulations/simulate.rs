@@ -87,9 +87,10 @@ fn simulate() -> Function {
                             Parameter::new(
                                 "ranks",
                                 Kind::Integer,
-                                "the number of processes of the solver `mumps`; 0: those that `mpirun` has started, or one",
+                                "the number of processes of the solver `mumps` (more than 64 by `conserva run --ranks`); 0: those that \
+                         `mpirun` has started, or one",
                             )
-                            .within(Interval::Closed(0.0, f64::from(u16::MAX)))
+                            .within(Interval::Closed(0.0, MOST_RANKS))
                             .or(Absent::Integer(0)),
                             Parameter::new("max_halvings", Kind::Integer, "how often a step that fails may be halved")
                                 .within(Interval::Closed(0.0, 50.0))
@@ -289,6 +290,9 @@ fn warn_of_constraints(call: &Call, model: &Model, integrator: &Scheme) {
     let hint = "take `energy_momentum()` or `midpoint()`, which conserve the energy, or `generalized_alpha()`, which damps";
     call.host.warn(warning.cause(cause).hint(hint));
 }
+
+/// Largest number of processes of a distributed solver that a script starts, which is untrusted; the command line allows more.
+const MOST_RANKS: f64 = 64.0;
 
 /// Largest number of passages of sound through a body within a step; beyond it the density is taken for a mistake of units.
 const CROSSINGS: f64 = 1e9;
