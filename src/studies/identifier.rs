@@ -1,6 +1,6 @@
 //! Names of points, derived from their parameters alone, so that a growing study finds its finished points.
 
-use sha2::{Digest, Sha256};
+use hmac_sha256::Hash;
 
 /// Longest name that is not shortened.
 const LONGEST: usize = 80;
@@ -24,7 +24,7 @@ pub fn identifier(names: &[String], values: &[String]) -> String {
 
 /// Returns a digest of sixteen digits.
 pub fn digest<'a>(texts: impl IntoIterator<Item = &'a [u8]>) -> String {
-    let mut sum = Sha256::new();
+    let mut sum = Hash::new();
     for text in texts {
         sum.update((text.len() as u64).to_le_bytes());
         sum.update(text);

@@ -5,11 +5,8 @@
 use rhai::{Array, Dynamic, EvalAltResult};
 
 use crate::math::catalogue::Interval;
-use crate::script::language::arguments::Arguments;
-use crate::script::language::causes;
-use crate::script::language::function::{Call, Form, Function, Topic, body};
 use crate::script::language::limits::MAX_ARRAY;
-use crate::script::language::parameter::{Kind, Parameter};
+use crate::script::language::prelude::*;
 use crate::script::language::values::{as_number, describe};
 
 /// Script functions of this topic.

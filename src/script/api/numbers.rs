@@ -5,12 +5,8 @@
 use rhai::{Array, Dynamic, ImmutableString};
 
 use crate::math::catalogue::Interval;
-use crate::script::language::arguments::{Argument, Arguments};
-use crate::script::language::causes;
 use crate::script::language::digits::significant;
-use crate::script::language::failure::Failure;
-use crate::script::language::function::{Form, Function, Topic, body};
-use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::prelude::*;
 use crate::script::language::values::{as_number, describe};
 
 /// Largest depth of nested arrays.

@@ -9,12 +9,7 @@ use std::collections::BTreeMap;
 use rhai::{Dynamic, Engine};
 
 use crate::script::api::files::results::unit_of;
-use crate::script::language::arguments::Arguments;
-use crate::script::language::causes;
-use crate::script::language::failure::Failure;
-use crate::script::language::function::{Form, Function, Topic, body};
-use crate::script::language::host::Host;
-use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::prelude::*;
 use crate::script::language::scan;
 use crate::script::language::sources::SourceSpan;
 use crate::script::language::values::{as_number, describe};

@@ -5,11 +5,8 @@ use rhai::{Array, Dynamic, EvalAltResult, Map};
 use super::arrays::{numbers, numbers_of};
 use crate::math::catalogue::Interval;
 use crate::math::signals::{channel_filter, fourier, interpolated, percentile};
-use crate::script::language::arguments::Arguments;
-use crate::script::language::causes;
 use crate::script::language::digits::{brief, number_text};
-use crate::script::language::function::{Call, Form, Function, Topic, body};
-use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::prelude::*;
 use crate::script::language::values::as_number;
 
 type Value = Result<Dynamic, Box<EvalAltResult>>;

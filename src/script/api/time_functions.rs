@@ -8,15 +8,10 @@ use rhai::{Dynamic, FnPtr};
 
 use crate::dynamics::{Amplitude, BodyField, Constant, Hat, PlaceFunction, Ramp, Sine, Table, TimeFunction, TimeFunctionError};
 use crate::math::catalogue::Interval;
-use crate::script::language::arguments::{Argument, Arguments};
 use crate::script::language::callback::Callback;
-use crate::script::language::causes;
 use crate::script::language::digits::{number_text, vector_text};
-use crate::script::language::failure::{Failure, ScriptError};
-use crate::script::language::function::{Call, Form, Function, Topic, body};
-use crate::script::language::handle::Handle;
-use crate::script::language::host::Host;
-use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::failure::ScriptError;
+use crate::script::language::prelude::*;
 use crate::script::language::thread_bound::ThreadBound;
 use crate::script::language::values::{as_number, describe};
 

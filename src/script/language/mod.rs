@@ -24,6 +24,7 @@ pub mod message;
 pub mod observer;
 pub mod parameter;
 pub mod plain;
+pub mod prelude;
 pub mod registry;
 pub mod sandbox;
 pub mod scan;

@@ -6,8 +6,8 @@ use std::path::Path;
 use std::rc::Rc;
 use std::time::{Duration, Instant};
 
+use hmac_sha256::Hash;
 use rhai::{Dynamic, Engine, Position, Scope};
-use sha2::{Digest, Sha256};
 
 use super::compile::{compile, constants};
 use super::engine::engine;
@@ -142,12 +142,12 @@ impl Session {
 
     /// Returns a digest (sixteen digits) of the scripts and of the files read so far.
     pub fn digest(&self) -> String {
-        let texts = self.host.sources.all().into_iter().map(|(_, text)| Sha256::digest(text.as_bytes()));
-        let files = self.host.sandbox.files_read().into_iter().filter_map(|path| files::read(&path).ok()).map(Sha256::digest);
+        let texts = self.host.sources.all().into_iter().map(|(_, text)| Hash::hash(text.as_bytes()));
+        let files = self.host.sandbox.files_read().into_iter().filter_map(|path| files::read(&path).ok()).map(|bytes| Hash::hash(&bytes));
         // Paths differ between machines; contents do not.
         let mut all: Vec<_> = texts.chain(files).collect();
         all.sort();
-        Sha256::digest(all.concat()).iter().take(8).map(|byte| format!("{byte:02x}")).collect()
+        Hash::hash(&all.concat()).iter().take(8).map(|byte| format!("{byte:02x}")).collect()
     }
 
     /// Returns the results that the script has named with `result`, in the order of the calls.

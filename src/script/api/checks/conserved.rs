@@ -9,11 +9,8 @@ use crate::math::tolerances::SAME_MOMENT;
 use crate::output::Inertia;
 use crate::script::api::examples::flight_example;
 use crate::script::api::simulations::handle::SimulationHandle;
-use crate::script::language::arguments::Arguments;
 use crate::script::language::digits::{brief, number_text, significant};
-use crate::script::language::function::{Call, Form, Function, Topic, body};
-use crate::script::language::handle::Handle;
-use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::prelude::*;
 
 /// Quantities that can be conserved, by name.
 const QUANTITIES: &[&str] = &["energy", "momentum", "angular_momentum", "ledger"];

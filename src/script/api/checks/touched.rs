@@ -5,11 +5,8 @@ use rhai::{Dynamic, EvalAltResult};
 use super::verdicts::{failed, only_listed, passed};
 use crate::script::api::examples::contact_example;
 use crate::script::api::simulations::handle::SimulationHandle;
-use crate::script::language::arguments::Arguments;
 use crate::script::language::digits::brief;
-use crate::script::language::function::{Call, Form, Function, Topic, body};
-use crate::script::language::handle::Handle;
-use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::prelude::*;
 
 /// `expect_contact`: requires that a pair was or is closed.
 pub fn expect_contact() -> Function {

@@ -5,14 +5,9 @@ use rhai::{Dynamic, EvalAltResult};
 use super::verdicts::{failed, only_listed, passed};
 use crate::math::catalogue::Interval;
 use crate::math::tolerances::CLOSE;
-use crate::script::language::arguments::Arguments;
-use crate::script::language::causes;
 use crate::script::language::digits::{number_text, significant};
 use crate::script::language::explain::explain;
-use crate::script::language::failure::Failure;
-use crate::script::language::function::{Call, Form, Function, Topic, body};
-use crate::script::language::parameter::{Absent, Kind, Parameter};
-use crate::script::language::scan::Target;
+use crate::script::language::prelude::*;
 use crate::script::language::values::{as_number, describe};
 
 /// `expect`: a condition.

@@ -2,9 +2,8 @@
 
 use rhai::{Dynamic, EvalAltResult};
 
-use crate::script::language::failure::{Class, Failure};
-use crate::script::language::function::Call;
-use crate::script::language::scan::Target;
+use crate::script::language::failure::Class;
+use crate::script::language::prelude::*;
 
 /// Returns the failure of a check.
 pub fn failed(call: &Call, title: impl Into<String>) -> Failure {

@@ -8,15 +8,10 @@ use crate::contact::{Coulomb, FrictionCurve, ROUGH};
 use crate::dynamics::{Coefficient, Friction};
 use crate::math::catalogue::Interval;
 use crate::script::api::time_functions::{amplitude_of, place_function, points_of};
-use crate::script::language::arguments::{Argument, Arguments, Options};
 use crate::script::language::callback::Callback;
-use crate::script::language::causes;
 use crate::script::language::diagnostics::Diagnostic;
 use crate::script::language::digits::number_text;
-use crate::script::language::failure::Failure;
-use crate::script::language::function::{Form, Function, Topic, body};
-use crate::script::language::handle::Handle;
-use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::prelude::*;
 use crate::script::language::values::{as_number, describe};
 
 /// Powers of ten of the slip speeds at which a closure is sampled, and number of samples per decade; 0 is added.

@@ -8,12 +8,7 @@ use super::obstacles::ObstacleHandle;
 use crate::contact::{ContactMethod, FacetShape, METHODS, MORTAR, Obstacle};
 use crate::dynamics::{Enforcement, UPDATE_RULES, UpdateRule};
 use crate::math::catalogue::Interval;
-use crate::script::language::arguments::{Arguments, Options};
-use crate::script::language::causes;
-use crate::script::language::failure::Failure;
-use crate::script::language::function::{Form, Function, Topic, body};
-use crate::script::language::handle::Handle;
-use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::prelude::*;
 
 /// A contact method.
 #[derive(Clone)]

@@ -7,13 +7,8 @@ use crate::dynamics::{Amplitude, ObstacleRotation};
 use crate::math::catalogue::Interval;
 use crate::script::api::models::description::{describe_obstacle, without_unit};
 use crate::script::api::time_functions::amplitude_of;
-use crate::script::language::arguments::{Argument, Arguments, Options};
-use crate::script::language::causes;
 use crate::script::language::digits::vector_text;
-use crate::script::language::failure::Failure;
-use crate::script::language::function::{Form, Function, Topic, body};
-use crate::script::language::handle::Handle;
-use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::prelude::*;
 
 /// A rigid obstacle with its motion.
 #[derive(Clone)]

@@ -10,14 +10,8 @@ use crate::mesh::{MeshError, read_surface};
 use crate::script::api::meshes::boundaries::boundary_named;
 use crate::script::api::meshes::handle::MeshHandle;
 use crate::script::api::meshes::reader::{read_failure, readable};
-use crate::script::language::arguments::{Argument, Arguments, Options};
-use crate::script::language::causes;
 use crate::script::language::diagnostics::Diagnostic;
-use crate::script::language::failure::Failure;
-use crate::script::language::function::Function;
-use crate::script::language::handle::Handle;
-use crate::script::language::parameter::{Absent, Kind, Parameter};
-use crate::script::language::scan::Target;
+use crate::script::language::prelude::*;
 
 /// Radius of a finite cylinder's edges relative to its radius, or to half its length if smaller.
 const EDGE: f64 = 0.01;

@@ -15,12 +15,7 @@ use crate::script::api::examples::{TOUCH, plate_example};
 use crate::script::api::models::arguments::{body_boundary, boundary_of};
 use crate::script::api::models::change::change;
 use crate::script::api::models::handle::{BoundaryHandle, ModelHandle};
-use crate::script::language::arguments::{Argument, Arguments};
-use crate::script::language::causes;
-use crate::script::language::failure::Failure;
-use crate::script::language::function::{Call, Form, Function, Topic, body};
-use crate::script::language::handle::Handle;
-use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::prelude::*;
 use crate::script::language::values::describe;
 
 /// Script functions defined in this file.

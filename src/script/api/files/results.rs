@@ -8,15 +8,9 @@ use serde_json::Value;
 
 use crate::output::{Dimension, Unit};
 use crate::script::api::units::{DeclaredUnits, refused_unit};
-use crate::script::language::arguments::Arguments;
-use crate::script::language::causes;
 use crate::script::language::diagnostics::Diagnostic;
 use crate::script::language::digits::number_text;
-use crate::script::language::failure::Failure;
-use crate::script::language::function::{Call, Form, Function, Topic, body};
-use crate::script::language::host::Host;
-use crate::script::language::parameter::{Absent, Kind, Parameter};
-use crate::script::language::scan::Target;
+use crate::script::language::prelude::*;
 use crate::script::language::values::{as_number, describe};
 
 /// Results of the script, in the order in which they were first named.

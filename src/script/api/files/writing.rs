@@ -9,11 +9,7 @@ use super::failures::output_class;
 use super::run_folder::RunFolder;
 use super::shown::Pictures;
 use crate::output::{Drawing, OutputError, png, svg};
-use crate::script::language::arguments::Arguments;
-use crate::script::language::causes;
-use crate::script::language::failure::Failure;
-use crate::script::language::function::Call;
-use crate::script::language::parameter::{Kind, Parameter};
+use crate::script::language::prelude::*;
 use crate::script::language::wording::joined;
 
 /// Object whose files are written to its own folder.

@@ -7,13 +7,9 @@ use crate::materials::{HomogeneousTest, Material, path};
 use crate::math::catalogue::Interval;
 use crate::output::{Curve, Plot, PlotAxis};
 use crate::script::api::files::writing::{path_parameter, write_drawing};
-use crate::script::language::arguments::Arguments;
-use crate::script::language::causes;
 use crate::script::language::digits::number_text;
-use crate::script::language::failure::{Class, Failure};
-use crate::script::language::function::{Call, Form, Function, Topic, body};
-use crate::script::language::handle::Handle;
-use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::failure::Class;
+use crate::script::language::prelude::*;
 
 const RUBBER: &str = "let rubber = mooney_rivlin(#{ c10: 0.16, c01: 0.02, bulk_modulus: 100.0, density: 1e-9 });\n";
 

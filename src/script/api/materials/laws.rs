@@ -5,12 +5,8 @@ use rhai::Dynamic;
 use super::handle::MaterialHandle;
 use crate::materials::{CATALOGUE, LINEAR, Material, MaterialError, MaterialRow, VolumetricForm};
 use crate::math::catalogue;
-use crate::script::language::arguments::Arguments;
-use crate::script::language::causes;
 use crate::script::language::digits::number_text;
-use crate::script::language::function::{Form, Function, Topic, body};
-use crate::script::language::handle::Handle;
-use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::prelude::*;
 use crate::script::language::wording::{did_you_mean, joined};
 
 /// Option that selects the form of the volumetric part.

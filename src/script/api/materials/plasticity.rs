@@ -5,14 +5,9 @@ use rhai::{Array, Dynamic, Map};
 use super::handle::MaterialHandle;
 use crate::materials::{BackStress, ElasticPlastic, Hardening, Material, MaterialError, PlasticityError, RateDependence};
 use crate::math::catalogue::Interval;
-use crate::script::language::arguments::{Argument, Arguments};
-use crate::script::language::causes;
 use crate::script::language::diagnostics::Diagnostic;
 use crate::script::language::digits::number_text;
-use crate::script::language::failure::Failure;
-use crate::script::language::function::{Call, Form, Function, Topic, body};
-use crate::script::language::handle::Handle;
-use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::prelude::*;
 use crate::script::language::values::{as_number, describe as described};
 
 const STEEL: &str = "let steel = elastic_plastic(#{ youngs_modulus: 210e3, poisson_ratio: 0.3, density: 7.85e-9, yield_stress: 235.0 });\n";

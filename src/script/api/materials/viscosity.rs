@@ -5,10 +5,7 @@ use rhai::Dynamic;
 use super::handle::MaterialHandle;
 use crate::materials::{Branch, Viscosity};
 use crate::math::catalogue::Interval;
-use crate::script::language::arguments::Arguments;
-use crate::script::language::function::{Form, Function, Topic, body};
-use crate::script::language::handle::Handle;
-use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::prelude::*;
 
 const RUBBER: &str = "let rubber = neo_hookean(#{ youngs_modulus: 1.0, poisson_ratio: 0.4, density: 1.0 });\n";
 

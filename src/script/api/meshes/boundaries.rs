@@ -4,14 +4,8 @@ use rhai::{Array, Dynamic, EvalAltResult};
 
 use super::handle::{MeshHandle, mesh_failure};
 use crate::mesh::{Boundary, Mesh, SelectionError};
-use crate::script::language::arguments::{Argument, Arguments};
-use crate::script::language::causes;
 use crate::script::language::diagnostics::Diagnostic;
-use crate::script::language::failure::Failure;
-use crate::script::language::function::{Call, Form, Function, Topic, body};
-use crate::script::language::handle::Handle;
-use crate::script::language::parameter::{Kind, Parameter};
-use crate::script::language::scan::Target;
+use crate::script::language::prelude::*;
 use crate::script::language::values::describe;
 
 /// Returns the boundary that a call names in a mesh, or the union of several.

@@ -8,12 +8,8 @@ use crate::materials::{Material, MaterialRow};
 use crate::math::catalogue::Interval;
 use crate::mesh::{self, Deck, DeckBoundary, DeckMaterial, DeckProperty};
 use crate::script::api::materials::MaterialHandle;
-use crate::script::language::arguments::{Arguments, Options};
 use crate::script::language::diagnostics::Diagnostic;
-use crate::script::language::failure::Failure;
-use crate::script::language::function::{Call, Form, Function, Topic, body};
-use crate::script::language::parameter::{Absent, Kind, Parameter};
-use crate::script::language::scan::Target;
+use crate::script::language::prelude::*;
 
 /// Ratio of bulk to shear modulus that replaces the incompressibility of a material.
 const HARDLY_COMPRESSIBLE: f64 = 1000.0;

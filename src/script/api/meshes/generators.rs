@@ -7,13 +7,8 @@ use super::kinds::{PLANE, SOLID, element, kind_of};
 use super::layers;
 use crate::math::catalogue::Interval;
 use crate::mesh::{self, Round};
-use crate::script::language::arguments::{Arguments, Options};
-use crate::script::language::causes;
 use crate::script::language::digits::number_text;
-use crate::script::language::failure::Failure;
-use crate::script::language::function::{Form, Function, Topic, body};
-use crate::script::language::handle::Handle;
-use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::prelude::*;
 use crate::script::language::values::describe;
 
 /// Script functions defined in this file.

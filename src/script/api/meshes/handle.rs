@@ -10,11 +10,8 @@ use rhai::{Dynamic, EvalAltResult};
 
 use crate::mesh::{Mesh, MeshError};
 use crate::script::api::remedies::ScriptWords;
-use crate::script::language::arguments::Arguments;
 use crate::script::language::digits::brief;
-use crate::script::language::failure::Failure;
-use crate::script::language::function::Call;
-use crate::script::language::handle::Handle;
+use crate::script::language::prelude::*;
 use crate::script::language::tables::table;
 
 /// A mesh in a script.

@@ -2,11 +2,7 @@
 
 use super::handle::{MeshHandle, made};
 use crate::elements::CellKind;
-use crate::script::language::arguments::{Arguments, Options};
-use crate::script::language::failure::Failure;
-use crate::script::language::function::{Form, Function, Topic, body};
-use crate::script::language::handle::Handle;
-use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::prelude::*;
 
 /// Element types in the plane, the default first.
 pub const PLANE: &[&str] = &["quad4", "tri3", "tri6", "quad8", "quad9"];

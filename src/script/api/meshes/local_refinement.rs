@@ -6,11 +6,8 @@ use super::boundaries::{boundary_named, truth};
 use super::handle::{MeshHandle, mesh_failure};
 use crate::math::catalogue::Interval;
 use crate::mesh::{Mesh, SelectionError};
-use crate::script::language::arguments::{Argument, Arguments};
 use crate::script::language::callback::Callback;
-use crate::script::language::function::{Call, Form, Function, Topic, body};
-use crate::script::language::handle::Handle;
-use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::prelude::*;
 
 /// `refine_where` of a mesh.
 pub fn refine_where() -> Function {

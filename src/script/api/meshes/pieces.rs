@@ -7,14 +7,8 @@ use super::handle::{MeshHandle, mesh_failure};
 use crate::math::catalogue::Interval;
 use crate::math::tolerances::ON_SHAPE;
 use crate::mesh::{Facet, Mesh};
-use crate::script::language::arguments::{Arguments, Options};
-use crate::script::language::causes;
 use crate::script::language::diagnostics::Diagnostic;
-use crate::script::language::failure::Failure;
-use crate::script::language::function::{Call, Form, Function, Topic, body};
-use crate::script::language::handle::Handle;
-use crate::script::language::parameter::{Absent, Kind, Parameter};
-use crate::script::language::scan::Target;
+use crate::script::language::prelude::*;
 
 /// Largest angle between a normal and a direction, and largest angle across an edge of a side: 5 and 20 degrees.
 const SAME_DIRECTION: f64 = std::f64::consts::PI / 36.0;

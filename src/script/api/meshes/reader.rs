@@ -10,13 +10,9 @@ use super::handle::MeshHandle;
 use crate::mesh::{self, FileNote, FilePosition, MeshError, ReadOptions, Shells, Structural};
 use crate::script::api::files::writing::{path_parameter, write};
 use crate::script::api::remedies::ScriptWords;
-use crate::script::language::arguments::{Argument, Arguments, Options};
 use crate::script::language::diagnostics::Diagnostic;
-use crate::script::language::failure::{Details, Failure};
-use crate::script::language::function::{Call, Form, Function, Topic, body};
-use crate::script::language::handle::Handle;
-use crate::script::language::parameter::{Absent, Kind, Parameter};
-use crate::script::language::scan::Target;
+use crate::script::language::failure::Details;
+use crate::script::language::prelude::*;
 
 /// Script functions defined in this file.
 pub fn functions() -> Vec<Function> {

@@ -9,14 +9,9 @@ use crate::math::catalogue::Interval;
 use crate::math::tolerances::SUM_OF_LENGTHS;
 use crate::mesh::{self, CellSize, Curve, MeshError, OutlineSide, SelectionError};
 use crate::script::api::remedies::ScriptWords;
-use crate::script::language::arguments::{Argument, Arguments, Options};
 use crate::script::language::callback::Callback;
-use crate::script::language::causes;
 use crate::script::language::digits::number_text;
-use crate::script::language::failure::Failure;
-use crate::script::language::function::{Form, Function, Topic, body};
-use crate::script::language::handle::Handle;
-use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::prelude::*;
 use crate::script::language::values::{as_number, describe};
 
 /// Script functions defined in this file.

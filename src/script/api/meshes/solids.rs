@@ -5,11 +5,7 @@ use super::handle::{MeshHandle, made_of, vector_or_zero};
 use super::kinds::{SOLID, element, kind_of};
 use crate::math::catalogue::Interval;
 use crate::mesh::{self, Round};
-use crate::script::language::arguments::{Arguments, Options};
-use crate::script::language::failure::Failure;
-use crate::script::language::function::{Form, Function, Topic, body};
-use crate::script::language::handle::Handle;
-use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::prelude::*;
 
 /// Script functions defined in this file.
 pub fn functions() -> Vec<Function> {

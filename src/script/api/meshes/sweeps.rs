@@ -5,12 +5,7 @@ use std::f64::consts::TAU;
 use super::handle::{MeshHandle, made};
 use crate::math::catalogue::Interval;
 use crate::mesh::{Axis, Change, Prisms};
-use crate::script::language::arguments::{Arguments, Options};
-use crate::script::language::causes;
-use crate::script::language::failure::Failure;
-use crate::script::language::function::{Form, Function, Topic, body};
-use crate::script::language::handle::Handle;
-use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::prelude::*;
 
 /// Script functions defined in this file.
 pub fn functions() -> Vec<Function> {

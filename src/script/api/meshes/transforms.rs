@@ -6,16 +6,10 @@ use super::handle::{MeshHandle, made, mesh_value, vector_or_zero};
 use crate::math::catalogue::Interval;
 use crate::mesh::SelectionError;
 use crate::script::api::remedies::ScriptWords;
-use crate::script::language::arguments::Arguments;
 use crate::script::language::callback::Callback;
-use crate::script::language::causes;
 use crate::script::language::diagnostics::Diagnostic;
 use crate::script::language::digits::brief;
-use crate::script::language::failure::Failure;
-use crate::script::language::function::{Call, Form, Function, Topic, body};
-use crate::script::language::handle::Handle;
-use crate::script::language::parameter::{Absent, Kind, Parameter};
-use crate::script::language::scan::Target;
+use crate::script::language::prelude::*;
 use crate::script::language::values::{as_number, describe};
 
 /// Angle in radians above which degrees are assumed to be meant: slightly more than a full turn.

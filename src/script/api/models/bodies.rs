@@ -13,10 +13,7 @@ use crate::script::api::examples::plate_example;
 use crate::script::api::materials::MaterialHandle;
 use crate::script::api::meshes::boundaries::{condition_parameters, named_boundary, with_boundary_where};
 use crate::script::api::meshes::handle::MeshHandle;
-use crate::script::language::arguments::Arguments;
-use crate::script::language::function::{Form, Function, Topic, body};
-use crate::script::language::handle::Handle;
-use crate::script::language::parameter::{Kind, Parameter};
+use crate::script::language::prelude::*;
 
 /// Functions of bodies.
 pub fn functions() -> Vec<Function> {

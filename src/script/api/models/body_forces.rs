@@ -10,10 +10,7 @@ use super::handle::{BodyHandle, ModelHandle};
 use crate::dynamics::BodyForceDefinition;
 use crate::script::api::examples::plate_example;
 use crate::script::api::time_functions::body_field;
-use crate::script::language::arguments::Arguments;
-use crate::script::language::function::{Form, Function, Topic, body};
-use crate::script::language::handle::Handle;
-use crate::script::language::parameter::{Kind, Parameter};
+use crate::script::language::prelude::*;
 
 /// Function `body_force` of scripts.
 pub fn body_force() -> Function {

@@ -10,10 +10,7 @@ use super::handle::ModelHandle;
 use crate::dynamics::{BoltDefinition, BoltElement};
 use crate::math::catalogue::Interval;
 use crate::script::api::examples::plate_example;
-use crate::script::language::arguments::Arguments;
-use crate::script::language::function::{Form, Function, Topic, body};
-use crate::script::language::handle::Handle;
-use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::prelude::*;
 
 /// `add_bolt`.
 pub fn add_bolt() -> Function {

@@ -21,13 +21,8 @@ use crate::script::api::meshes::handle::MeshHandle;
 use crate::script::api::meshes::transforms::vector_from;
 use crate::script::api::remedies::ScriptWords;
 use crate::script::api::time_functions::amplitude_of;
-use crate::script::language::arguments::{Arguments, Options};
 use crate::script::language::diagnostics::Diagnostic;
-use crate::script::language::failure::Failure;
-use crate::script::language::function::{Call, Form, Function, Topic, body};
-use crate::script::language::handle::Handle;
-use crate::script::language::parameter::{Absent, Kind, Parameter};
-use crate::script::language::scan::Target;
+use crate::script::language::prelude::*;
 
 /// `model`: an empty model.
 pub fn model() -> Function {

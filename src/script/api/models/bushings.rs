@@ -9,12 +9,7 @@ use super::handle::{BodyHandle, ModelHandle};
 use super::motors::bodies_of;
 use crate::dynamics::{BushingDefinition, across};
 use crate::script::api::examples::plate_example;
-use crate::script::language::arguments::{Argument, Arguments};
-use crate::script::language::causes;
-use crate::script::language::failure::Failure;
-use crate::script::language::function::{Form, Function, Topic, body};
-use crate::script::language::handle::Handle;
-use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::prelude::*;
 
 /// Function `add_bushing` of scripts.
 pub fn add_bushing() -> Function {

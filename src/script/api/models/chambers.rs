@@ -10,12 +10,7 @@ use super::handle::{BoundaryHandle, ModelHandle};
 use crate::dynamics::{BodyBoundary, ChamberDefinition, Gas};
 use crate::math::catalogue::Interval;
 use crate::script::api::examples::plate_example;
-use crate::script::language::arguments::{Argument, Arguments};
-use crate::script::language::causes;
-use crate::script::language::failure::Failure;
-use crate::script::language::function::{Form, Function, Topic, body};
-use crate::script::language::handle::Handle;
-use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::prelude::*;
 
 /// Function `add_chamber` of scripts.
 pub fn add_chamber() -> Function {

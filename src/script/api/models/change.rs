@@ -10,10 +10,7 @@ use super::handle::ModelHandle;
 use crate::script::api::nested_runs::is_study;
 use crate::script::api::remedies::ScriptWords;
 use crate::script::language::diagnostics::Diagnostic;
-use crate::script::language::failure::Failure;
-use crate::script::language::function::Call;
-use crate::script::language::host::Host;
-use crate::script::language::scan::Target;
+use crate::script::language::prelude::*;
 
 /// Changes the model and checks it; an invalid change is undone.
 ///

@@ -9,12 +9,7 @@ use super::supports::{along_axes, axis_of_turn};
 use crate::dynamics::{Coupling, CouplingKind, Sector};
 use crate::math::norms::length;
 use crate::script::api::examples::plate_example;
-use crate::script::language::arguments::{Argument, Arguments};
-use crate::script::language::causes;
-use crate::script::language::failure::Failure;
-use crate::script::language::function::{Form, Function, Topic, body};
-use crate::script::language::handle::Handle;
-use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::prelude::*;
 
 fn name_parameter() -> Parameter {
     Parameter::new("name", Kind::Text, "its name, unique among symmetries, periodic pairs and couplings")

@@ -13,13 +13,8 @@ use crate::dynamics::{DamperDefinition, DamperElement, DragDefinition, DragTarge
 use crate::materials::Viscosity;
 use crate::math::catalogue::Interval;
 use crate::script::api::examples::{TOUCH, plate_example};
-use crate::script::language::arguments::{Arguments, Options};
-use crate::script::language::causes;
 use crate::script::language::digits::number_text;
-use crate::script::language::failure::Failure;
-use crate::script::language::function::{Form, Function, Topic, body};
-use crate::script::language::handle::Handle;
-use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::prelude::*;
 
 /// Parameters of a force as a function of a speed.
 fn law_parameters(of_coefficient: &'static str) -> [Parameter; 5] {

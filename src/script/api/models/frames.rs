@@ -9,12 +9,7 @@ use super::handle::ModelHandle;
 use crate::dynamics::{AxisRotation, RotatingFrameDefinition, Spin};
 use crate::script::api::examples::plate_example;
 use crate::script::api::time_functions::amplitude_of;
-use crate::script::language::arguments::{Arguments, Options};
-use crate::script::language::causes;
-use crate::script::language::failure::Failure;
-use crate::script::language::function::{Form, Function, Topic, body};
-use crate::script::language::handle::Handle;
-use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::prelude::*;
 use crate::script::language::values::as_number;
 
 /// Function `rotating_frame` of scripts.

@@ -6,12 +6,7 @@ use super::change::change;
 use super::handle::ModelHandle;
 use crate::dynamics::{Gear, JointDefinition, JointKind, Model};
 use crate::script::api::examples::plate_example;
-use crate::script::language::arguments::{Argument, Arguments};
-use crate::script::language::causes;
-use crate::script::language::failure::Failure;
-use crate::script::language::function::{Form, Function, Topic, body};
-use crate::script::language::handle::Handle;
-use crate::script::language::parameter::{Kind, Parameter};
+use crate::script::language::prelude::*;
 
 /// Function `add_gear` of scripts.
 pub fn add_gear() -> Function {

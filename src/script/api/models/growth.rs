@@ -10,14 +10,9 @@ use crate::bodies::Plane;
 use crate::dynamics::{Growth, InitialDisplacement};
 use crate::math::catalogue::Interval;
 use crate::script::api::examples::plate_example;
-use crate::script::language::arguments::Arguments;
 use crate::script::language::callback::Callback;
-use crate::script::language::causes;
 use crate::script::language::digits::number_text;
-use crate::script::language::failure::Failure;
-use crate::script::language::function::{Call, Form, Function, Topic, body};
-use crate::script::language::handle::Handle;
-use crate::script::language::parameter::{Kind, Parameter};
+use crate::script::language::prelude::*;
 use crate::script::language::values::{as_number, describe};
 
 /// Function `grow` of scripts.

@@ -13,13 +13,8 @@ use crate::math::catalogue::Interval;
 use crate::math::norms::length;
 use crate::script::api::examples::plate_example;
 use crate::script::api::time_functions::{RecordedTimeFunction, amplitude_of};
-use crate::script::language::arguments::Arguments;
-use crate::script::language::causes;
 use crate::script::language::digits::{number_text, vector_text};
-use crate::script::language::failure::Failure;
-use crate::script::language::function::{Call, Form, Function, Topic, body};
-use crate::script::language::handle::Handle;
-use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::prelude::*;
 
 /// Script functions defined in this file.
 pub fn functions() -> Vec<Function> {

@@ -10,10 +10,7 @@ use super::handle::{BodyHandle, ModelHandle};
 use crate::dynamics::PointMassDefinition;
 use crate::math::catalogue::Interval;
 use crate::script::api::examples::{TOUCH, plate_example};
-use crate::script::language::arguments::Arguments;
-use crate::script::language::function::{Form, Function, Topic, body};
-use crate::script::language::handle::Handle;
-use crate::script::language::parameter::{Kind, Parameter};
+use crate::script::language::prelude::*;
 
 /// Function `add_mass` of scripts.
 pub fn add_mass() -> Function {

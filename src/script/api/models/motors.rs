@@ -12,12 +12,7 @@ use crate::bodies::BarycentricMap;
 use crate::dynamics::{ActuatorDefinition, ActuatorElement, AxisRotation, MotorDefinition};
 use crate::script::api::examples::{TOUCH, plate_example};
 use crate::script::api::time_functions::amplitude_of;
-use crate::script::language::arguments::{Argument, Arguments, Options};
-use crate::script::language::causes;
-use crate::script::language::failure::Failure;
-use crate::script::language::function::{Form, Function, Topic, body};
-use crate::script::language::handle::Handle;
-use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::prelude::*;
 
 const NAME: &str = "its name, unique among springs, dampers, chambers and masses";
 

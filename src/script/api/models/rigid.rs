@@ -18,13 +18,8 @@ use crate::script::api::examples::plate_example;
 use crate::script::api::meshes::handle::MeshHandle;
 use crate::script::api::remedies::ScriptWords;
 use crate::script::api::time_functions::amplitude_of;
-use crate::script::language::arguments::{Argument, Arguments, Options};
-use crate::script::language::causes;
 use crate::script::language::digits::{brief, vector_text};
-use crate::script::language::failure::Failure;
-use crate::script::language::function::{Form, Function, Topic, body};
-use crate::script::language::handle::Handle;
-use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::prelude::*;
 
 /// Poisson's ratio of the material of a rigid body, of which only the density is used.
 const ANY_RATIO: f64 = 0.3;

@@ -12,12 +12,7 @@ use crate::dynamics::{Elastic, Sides, SpringDefinition, SpringElement, SpringLaw
 use crate::math::catalogue::Interval;
 use crate::script::api::examples::{TOUCH, plate_example};
 use crate::script::api::time_functions::points_of;
-use crate::script::language::arguments::{Arguments, Options};
-use crate::script::language::causes;
-use crate::script::language::failure::Failure;
-use crate::script::language::function::{Form, Function, Topic, body};
-use crate::script::language::handle::Handle;
-use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::prelude::*;
 
 /// Signs of the elongation for which a spring acts.
 const SIDES: &[&str] = &["both", "tension", "compression"];

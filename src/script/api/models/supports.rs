@@ -9,12 +9,7 @@ use crate::dynamics::{Amplitude, AxisRotation, Prescription, Support};
 use crate::math::norms::length;
 use crate::script::api::examples::plate_example;
 use crate::script::api::time_functions::amplitude_of;
-use crate::script::language::arguments::{Argument, Arguments, Options};
-use crate::script::language::causes;
-use crate::script::language::failure::Failure;
-use crate::script::language::function::{Form, Function, Topic, body};
-use crate::script::language::handle::Handle;
-use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::prelude::*;
 
 /// `fix`: fixes nodes at their positions.
 pub fn fix() -> Function {

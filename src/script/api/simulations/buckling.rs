@@ -11,15 +11,9 @@ use crate::math::catalogue::Interval;
 use crate::math::tolerances::{LINEAR_PATH, LINEAR_STATE};
 use crate::script::api::examples::plate_example;
 use crate::script::api::models::handle::BodyHandle;
-use crate::script::language::arguments::Arguments;
-use crate::script::language::causes;
 use crate::script::language::diagnostics::Diagnostic;
 use crate::script::language::digits::brief;
-use crate::script::language::failure::Failure;
-use crate::script::language::function::{Call, Form, Function, Topic, body};
-use crate::script::language::handle::Handle;
-use crate::script::language::parameter::{Absent, Kind, Parameter};
-use crate::script::language::scan::Target;
+use crate::script::language::prelude::*;
 
 /// Largest number of factors.
 const MOST: f64 = 200.0;

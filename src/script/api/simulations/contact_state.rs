@@ -8,10 +8,7 @@ use super::handle::SimulationHandle;
 use super::told::ScriptOutput;
 use crate::dynamics::{ContactFields, CyclingNode, FailureCause};
 use crate::script::api::examples::contact_example;
-use crate::script::language::arguments::Arguments;
-use crate::script::language::function::{Form, Function, Topic, body};
-use crate::script::language::handle::Handle;
-use crate::script::language::parameter::{Kind, Parameter};
+use crate::script::language::prelude::*;
 
 /// State of a contact pair at the time of its creation.
 #[derive(Clone)]

@@ -9,9 +9,7 @@ use crate::output::{Unit, UnitSet};
 use crate::script::api::units::DeclaredUnits;
 use crate::script::language::diagnostics::Diagnostic;
 use crate::script::language::digits::{brief, number_text};
-use crate::script::language::function::Call;
-use crate::script::language::host::Host;
-use crate::script::language::scan::Target;
+use crate::script::language::prelude::*;
 
 /// Densities of solids in kg/m^3, from wood to gold.
 const KILOGRAMS: Range<f64> = 300.0..20_000.0;

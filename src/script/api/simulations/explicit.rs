@@ -9,12 +9,8 @@ use crate::dynamics::{Options, StableStep};
 use crate::integrators::{CENTRAL_DIFFERENCES, Lumping, central_differences};
 use crate::script::api::examples::FLIGHT;
 use crate::script::api::models::handle::ModelHandle;
-use crate::script::language::arguments::{Arguments, Options as Given};
-use crate::script::language::causes;
-use crate::script::language::failure::Failure;
-use crate::script::language::function::{Call, Form, Function, Topic, body};
-use crate::script::language::handle::Handle;
-use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::arguments::Options as Given;
+use crate::script::language::prelude::*;
 
 /// Names of the lumping methods.
 const MASSES: &[&str] = &[Lumping::ALL[0].0, Lumping::ALL[1].0, Lumping::ALL[2].0];

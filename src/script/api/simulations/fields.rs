@@ -12,12 +12,7 @@ use crate::dynamics::{
 };
 use crate::script::api::examples::flight_example;
 use crate::script::api::models::handle::BodyHandle;
-use crate::script::language::arguments::Arguments;
-use crate::script::language::causes;
-use crate::script::language::failure::Failure;
-use crate::script::language::function::{Call, Form, Function, Topic, body};
-use crate::script::language::handle::Handle;
-use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::prelude::*;
 
 /// Names of all fields.
 static NAMES: LazyLock<Vec<&str>> = LazyLock::new(|| NODE_FIELDS.iter().map(|field| field.name).collect());

@@ -9,11 +9,8 @@ use crate::dynamics::{FailureCause, FailureReport, IterationReport, TryReport};
 use crate::output::Frame;
 use crate::script::api::examples::flight_example;
 use crate::script::api::files::writing::write;
-use crate::script::language::causes;
 use crate::script::language::digits::{brief, number_text, significant};
-use crate::script::language::function::{Form, Function, Topic, body};
-use crate::script::language::handle::Handle;
-use crate::script::language::parameter::{Kind, Parameter};
+use crate::script::language::prelude::*;
 use crate::script::language::tables::table;
 
 /// Report on the last failed step.

@@ -20,15 +20,10 @@ use crate::script::api::models::data::ModelData;
 use crate::script::api::models::handle::BodyHandle;
 use crate::script::api::motion::Motion;
 use crate::script::api::remedies::explained;
-use crate::script::language::arguments::Arguments;
 use crate::script::language::callback::Callback;
-use crate::script::language::causes;
 use crate::script::language::digits::{brief, brief_vector};
-use crate::script::language::failure::{Class, Failure};
-use crate::script::language::function::Call;
-use crate::script::language::handle::Handle;
-use crate::script::language::host::Host;
-use crate::script::language::scan::Target;
+use crate::script::language::failure::Class;
+use crate::script::language::prelude::*;
 use crate::script::language::sources::SourceSpan;
 
 /// A running simulation with the data of the script layer.

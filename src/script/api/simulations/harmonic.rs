@@ -12,15 +12,9 @@ use crate::math::catalogue::Interval;
 use crate::script::api::examples::plate_example;
 use crate::script::api::models::arguments::node_at;
 use crate::script::api::models::handle::{BodyHandle, BoundaryHandle};
-use crate::script::language::arguments::{Argument, Arguments, Options};
-use crate::script::language::causes;
 use crate::script::language::diagnostics::Diagnostic;
 use crate::script::language::digits::brief;
-use crate::script::language::failure::Failure;
-use crate::script::language::function::{Call, Form, Function, Topic, body};
-use crate::script::language::handle::Handle;
-use crate::script::language::parameter::{Absent, Kind, Parameter};
-use crate::script::language::scan::Target;
+use crate::script::language::prelude::*;
 use crate::script::language::values::as_number;
 
 /// Steady vibrations of a simulation about a state.

@@ -10,12 +10,8 @@ use super::known_columns::{CellPlaces, ColumnCells};
 use crate::dynamics::{LedgerRow, Quantity, Rows};
 use crate::output::is_count;
 use crate::script::api::examples::flight_example;
-use crate::script::language::arguments::Arguments;
-use crate::script::language::causes;
-use crate::script::language::failure::{Class, Failure};
-use crate::script::language::function::{Call, Form, Function, Topic, body};
-use crate::script::language::handle::Handle;
-use crate::script::language::parameter::{Kind, Parameter};
+use crate::script::language::failure::Class;
+use crate::script::language::prelude::*;
 use crate::script::language::wording::{did_you_mean, listed};
 
 /// The columns of a simulation's history.

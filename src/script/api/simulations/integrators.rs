@@ -3,11 +3,8 @@
 use rhai::Dynamic;
 
 use crate::integrators::{self, Family, Scheme};
-use crate::script::language::arguments::Arguments;
 use crate::script::language::digits::number_text;
-use crate::script::language::function::{Form, Function, Topic, body};
-use crate::script::language::handle::Handle;
-use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::prelude::*;
 
 /// A time integrator in a script.
 #[derive(Clone)]

@@ -6,11 +6,7 @@ use super::handle::SimulationHandle;
 use super::told::ScriptOutput;
 use crate::dynamics::{JointFrictionLoad, JointLoad};
 use crate::script::api::examples::plate_example;
-use crate::script::language::arguments::Arguments;
-use crate::script::language::causes;
-use crate::script::language::function::{Form, Function, Topic, body};
-use crate::script::language::handle::Handle;
-use crate::script::language::parameter::{Kind, Parameter};
+use crate::script::language::prelude::*;
 
 /// State of a joint at the time of its creation.
 #[derive(Clone)]

@@ -13,13 +13,9 @@ use crate::math::norms::length;
 use crate::mesh::CellFinder;
 use crate::script::api::examples::flight_example;
 use crate::script::api::models::handle::BodyHandle;
-use crate::script::language::arguments::Arguments;
-use crate::script::language::causes;
 use crate::script::language::digits::{brief, vector_text};
-use crate::script::language::function::{Form, Function, Topic, body};
-use crate::script::language::handle::Handle;
 use crate::script::language::limits::MAX_ARRAY;
-use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::prelude::*;
 
 /// Line through a body at the time of its creation.
 #[derive(Clone)]

@@ -14,15 +14,9 @@ use crate::math::tolerances::EFFECTIVE_MASS;
 use crate::output::{Field, Frame, MovieFormat, PictureBounds, PictureOptions, movie, picture, sight};
 use crate::script::api::examples::plate_example;
 use crate::script::api::files::writing::{path_parameter, write, write_drawing};
-use crate::script::language::arguments::{Arguments, Options};
-use crate::script::language::causes;
 use crate::script::language::diagnostics::Diagnostic;
 use crate::script::language::digits::brief;
-use crate::script::language::failure::Failure;
-use crate::script::language::function::{Call, Form, Function, Topic, body};
-use crate::script::language::handle::Handle;
-use crate::script::language::parameter::{Absent, Kind, Parameter};
-use crate::script::language::scan::Target;
+use crate::script::language::prelude::*;
 
 /// Largest number of modes: each needs several vectors of the model's size.
 const MOST: f64 = 1000.0;

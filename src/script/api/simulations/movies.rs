@@ -7,13 +7,8 @@ use crate::math::catalogue::Interval;
 use crate::output::{Drawing, Field, MovieFormat, PictureBounds, PictureOptions, Still, movie, picture, shapes, sight};
 use crate::script::api::examples::flight_example;
 use crate::script::api::files::writing::path_parameter;
-use crate::script::language::arguments::Arguments;
-use crate::script::language::causes;
 use crate::script::language::digits::brief;
-use crate::script::language::failure::Failure;
-use crate::script::language::function::{Call, Form, Function, Topic, body};
-use crate::script::language::handle::Handle;
-use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::prelude::*;
 
 /// Function `sim.movie` of scripts.
 pub(super) fn movie_function() -> Function {

@@ -12,15 +12,9 @@ use crate::dynamics::{CriticalKind, LedgerRow, Path, PathEnd, PathError, PathOpt
 use crate::math::catalogue::Interval;
 use crate::output::History;
 use crate::script::api::examples::plate_example;
-use crate::script::language::arguments::{Arguments, Options};
-use crate::script::language::causes;
 use crate::script::language::diagnostics::Diagnostic;
 use crate::script::language::digits::{brief, number_text};
-use crate::script::language::failure::Failure;
-use crate::script::language::function::{Call, Form, Function, Topic, body};
-use crate::script::language::handle::Handle;
-use crate::script::language::parameter::{Absent, Kind, Parameter};
-use crate::script::language::scan::Target;
+use crate::script::language::prelude::*;
 
 /// Default number of increments to the end.
 const INCREMENTS: f64 = 20.0;

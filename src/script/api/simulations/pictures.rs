@@ -13,13 +13,8 @@ use crate::output::{CutPlane, Field, Measure, Panel, PictureOptions, VIEWS, Vect
 use crate::script::api::examples::flight_example;
 use crate::script::api::files::writing::{path_parameter, write_drawing};
 use crate::script::api::models::{data::ModelData, handle::BodyHandle};
-use crate::script::language::arguments::{Argument, Arguments, Options};
-use crate::script::language::causes;
 use crate::script::language::digits::brief;
-use crate::script::language::failure::Failure;
-use crate::script::language::function::{Form, Function, Topic, body};
-use crate::script::language::handle::Handle;
-use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::prelude::*;
 use crate::script::language::values::{as_number, describe};
 
 /// Names of the axes that may point up.

@@ -11,12 +11,7 @@ use crate::math::catalogue::Interval;
 use crate::output::{Curve, CurveStyle, ENERGIES, Plot, PlotAxis, above_lowest_potential, pretty_unit};
 use crate::script::api::examples::flight_example;
 use crate::script::api::files::writing::{path_parameter, write_drawing};
-use crate::script::language::arguments::{Argument, Arguments, Options};
-use crate::script::language::causes;
-use crate::script::language::failure::Failure;
-use crate::script::language::function::{Call, Form, Function, Topic, body};
-use crate::script::language::handle::Handle;
-use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::prelude::*;
 use crate::script::language::values::{as_number, describe};
 use crate::script::language::wording::{did_you_mean, joined, listed};
 

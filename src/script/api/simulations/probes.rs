@@ -11,15 +11,9 @@ use super::local_frames::{Geometry, frame_of, frame_parameters};
 use crate::dynamics::{BodyDefinition, ProbeValues};
 use crate::script::api::examples::flight_example;
 use crate::script::api::models::handle::BodyHandle;
-use crate::script::language::arguments::Arguments;
-use crate::script::language::causes;
 use crate::script::language::diagnostics::Diagnostic;
 use crate::script::language::digits::{brief, vector_text};
-use crate::script::language::failure::Failure;
-use crate::script::language::function::{Call, Form, Function, Topic, body};
-use crate::script::language::handle::Handle;
-use crate::script::language::parameter::{Absent, Kind, Parameter};
-use crate::script::language::scan::Target;
+use crate::script::language::prelude::*;
 
 /// A probe of a simulation.
 #[derive(Clone)]

@@ -7,11 +7,7 @@ use super::told::ScriptOutput;
 use crate::dynamics::Reaction;
 use crate::script::api::examples::contact_example;
 use crate::script::api::models::handle::BoundaryHandle;
-use crate::script::language::arguments::Arguments;
-use crate::script::language::causes;
-use crate::script::language::function::{Form, Function, Topic, body};
-use crate::script::language::handle::Handle;
-use crate::script::language::parameter::{Kind, Parameter};
+use crate::script::language::prelude::*;
 
 /// Reaction of a boundary's supports at the time of its creation.
 #[derive(Clone)]

@@ -13,11 +13,8 @@ use crate::output::journal::{Computation, Entry, Outcome};
 use crate::output::shapes;
 use crate::script::api::files::failures::output_failure;
 use crate::script::api::files::run_folder::RunFolder;
-use crate::script::language::causes;
 use crate::script::language::diagnostics::Diagnostic;
-use crate::script::language::failure::Failure;
-use crate::script::language::function::Call;
-use crate::script::language::host::Host;
+use crate::script::language::prelude::*;
 
 impl Journal {
     /// Writes a checkpoint before a long computation whose results are kept elsewhere ([`PointLog`](crate::output::PointLog)).

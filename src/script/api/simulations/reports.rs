@@ -28,13 +28,8 @@ use crate::script::api::models::description::{describe_obstacle, prescribed};
 use crate::script::api::models::joint_friction::friction_text;
 use crate::script::api::parameters::{Overrides, ParameterUnits};
 use crate::script::api::remedies::explained;
-use crate::script::language::arguments::{Argument, Arguments};
-use crate::script::language::causes;
 use crate::script::language::digits::{brief, brief_vector, number_text, vector_text};
-use crate::script::language::failure::Failure;
-use crate::script::language::function::{Form, Function, Topic, body};
-use crate::script::language::host::Host;
-use crate::script::language::parameter::{Kind, Parameter};
+use crate::script::language::prelude::*;
 use crate::script::language::wording::joined;
 
 /// `report`: the page of the present simulation.

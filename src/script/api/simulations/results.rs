@@ -12,11 +12,8 @@ use crate::dynamics::{Partner, Simulation};
 use crate::output::{Frame, Surroundings, braille_plot};
 use crate::script::api::examples::flight_example;
 use crate::script::api::files::writing::{path_parameter, write, write_at};
-use crate::script::language::arguments::Arguments;
 use crate::script::language::diagnostics::Ink;
-use crate::script::language::function::{Form, Function, Topic, body};
-use crate::script::language::handle::Handle;
-use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::prelude::*;
 
 /// Script functions defined in this file.
 pub fn functions() -> Vec<Function> {

@@ -8,11 +8,7 @@ use super::told::ScriptOutput;
 use crate::dynamics::SectionForce;
 use crate::script::api::examples::flight_example;
 use crate::script::api::models::handle::BodyHandle;
-use crate::script::language::arguments::Arguments;
-use crate::script::language::causes;
-use crate::script::language::function::{Form, Function, Topic, body};
-use crate::script::language::handle::Handle;
-use crate::script::language::parameter::{Kind, Parameter};
+use crate::script::language::prelude::*;
 
 /// Cut force of a body at the time of its creation.
 #[derive(Clone)]

@@ -10,13 +10,8 @@ use crate::dynamics::{LedgerRow, SettleReport, StepError};
 use crate::output::History;
 use crate::output::journal::{Computation, Outcome};
 use crate::script::api::examples::flight_example;
-use crate::script::language::arguments::Arguments;
-use crate::script::language::causes;
 use crate::script::language::digits::{brief, number_text};
-use crate::script::language::failure::Failure;
-use crate::script::language::function::{Call, Form, Function, Topic, body};
-use crate::script::language::handle::Handle;
-use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::prelude::*;
 
 /// Largest number of requests for equilibrium at one time without any change in between.
 const STANDSTILL: u32 = 100;

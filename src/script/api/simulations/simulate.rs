@@ -36,15 +36,9 @@ use crate::script::api::nested_runs::{current_motion, is_study};
 use crate::script::api::parameters::check_overrides;
 use crate::script::api::remedies::ScriptWords;
 use crate::script::api::units::{DeclaredUnits, Units, model_units};
-use crate::script::language::arguments::Arguments;
 use crate::script::language::diagnostics::Diagnostic;
 use crate::script::language::digits::{brief, brief_vector, number_text};
-use crate::script::language::failure::Failure;
-use crate::script::language::function::{Call, Form, Function, Topic, body};
-use crate::script::language::handle::Handle;
-use crate::script::language::host::Host;
-use crate::script::language::parameter::{Absent, Kind, Parameter};
-use crate::script::language::scan::Target;
+use crate::script::language::prelude::*;
 use crate::script::language::wording::joined;
 
 /// Script functions defined in this file.

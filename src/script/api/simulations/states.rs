@@ -16,13 +16,8 @@ use crate::dynamics::State;
 use crate::math::catalogue::Interval;
 use crate::output::History;
 use crate::script::api::examples::flight_example;
-use crate::script::language::arguments::Arguments;
-use crate::script::language::causes;
 use crate::script::language::digits::brief;
-use crate::script::language::failure::Failure;
-use crate::script::language::function::{Call, Form, Function, Topic, body};
-use crate::script::language::handle::Handle;
-use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::prelude::*;
 
 /// A state of a simulation, kept as a value.
 #[derive(Clone)]

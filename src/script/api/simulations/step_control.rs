@@ -6,13 +6,8 @@ use crate::dynamics::{Options, StepControl};
 use crate::math::catalogue::Interval;
 use crate::math::tolerances::STEP_ERROR;
 use crate::script::api::examples::FLIGHT;
-use crate::script::language::arguments::{Argument, Arguments};
-use crate::script::language::causes;
 use crate::script::language::digits::{brief, number_text};
-use crate::script::language::failure::Failure;
-use crate::script::language::function::{Call, Form, Function, Topic, body};
-use crate::script::language::handle::Handle;
-use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::prelude::*;
 
 /// Kind of the argument `dt`.
 pub const STEP_SIZE: Kind = Kind::Either("a number greater than 0, or `auto()` for steps that choose their size");

@@ -17,15 +17,11 @@ use crate::math::tolerances::SAME_MOMENT;
 use crate::output::journal::{Computation, Outcome};
 use crate::script::api::examples::flight_example;
 use crate::script::api::remedies::ScriptWords;
-use crate::script::language::arguments::Arguments;
 use crate::script::language::callback::Callback;
-use crate::script::language::causes;
 use crate::script::language::digits::{brief, number_text};
-use crate::script::language::failure::{Failure, interrupted};
-use crate::script::language::function::{Call, Form, Function, Topic, body};
-use crate::script::language::handle::Handle;
+use crate::script::language::failure::interrupted;
 use crate::script::language::observer::Progress;
-use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::prelude::*;
 
 /// `step`: a number of steps.
 pub fn step() -> Function {

@@ -7,11 +7,9 @@ use rhai::{Dynamic, EvalAltResult};
 
 use crate::math::catalogue::Interval;
 use crate::script::api::examples::flight_example;
-use crate::script::language::arguments::Arguments;
 use crate::script::language::callback::Callback;
-use crate::script::language::failure::{Class, Failure};
-use crate::script::language::function::{Call, Form, Function, Topic, body};
-use crate::script::language::parameter::{Kind, Parameter};
+use crate::script::language::failure::Class;
+use crate::script::language::prelude::*;
 
 /// Script functions defined in this file.
 pub fn functions() -> Vec<Function> {

@@ -6,12 +6,7 @@ use crate::dynamics::{LedgerRow, Quantity};
 use crate::output::{Column, Table, parquet_in_units};
 use crate::script::api::examples::flight_example;
 use crate::script::api::files::writing::{path_parameter, write};
-use crate::script::language::arguments::Arguments;
-use crate::script::language::causes;
-use crate::script::language::failure::Failure;
-use crate::script::language::function::{Call, Form, Function, Topic, body};
-use crate::script::language::handle::Handle;
-use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::prelude::*;
 
 /// `table`: selected columns of the present history.
 pub fn table() -> Function {

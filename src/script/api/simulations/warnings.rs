@@ -8,9 +8,7 @@ use crate::math::tolerances::LOST;
 use crate::script::api::remedies::{ScriptWords, explained};
 use crate::script::language::diagnostics::Diagnostic;
 use crate::script::language::digits::brief;
-use crate::script::language::function::Call;
-use crate::script::language::host::Host;
-use crate::script::language::scan::Target;
+use crate::script::language::prelude::*;
 use crate::script::language::wording::joined;
 
 /// Largest number of contacts named in a warning.

@@ -6,11 +6,7 @@ use super::handle::SimulationHandle;
 use super::history::unknown_column;
 use crate::output::OutputError;
 use crate::script::api::files::writing::{Destination, RequestedFile, checked_path, note_picture, told, write};
-use crate::script::language::arguments::Arguments;
-use crate::script::language::causes;
-use crate::script::language::failure::Failure;
-use crate::script::language::function::Call;
-use crate::script::language::scan::Target;
+use crate::script::language::prelude::*;
 use crate::script::language::values::describe;
 
 impl Destination for SimulationHandle {

@@ -9,12 +9,8 @@ use crate::math::curves::{Distance, distance, overlap};
 use crate::output::is_count;
 use crate::script::api::simulations::handle::SimulationHandle;
 use crate::script::api::simulations::history::unknown_column;
-use crate::script::language::arguments::{Argument, Arguments, Options};
-use crate::script::language::causes;
 use crate::script::language::digits::brief;
-use crate::script::language::failure::Failure;
-use crate::script::language::function::{Call, Form, Function, Topic, body};
-use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::prelude::*;
 use crate::script::language::values::{as_number, describe};
 use crate::script::language::wording::listed;
 

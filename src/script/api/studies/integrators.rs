@@ -18,15 +18,11 @@ use crate::script::api::nested_runs::begin_study;
 use crate::script::api::simulations::integrators::{IntegratorHandle, title};
 use crate::script::api::simulations::simulate::kernels;
 use crate::script::api::simulations::step_control::{StepControlHandle, StepSize};
-use crate::script::language::arguments::{Arguments, Options};
 use crate::script::language::callback::Callback;
-use crate::script::language::causes;
 use crate::script::language::digits::brief;
-use crate::script::language::failure::{Failure, interrupted};
-use crate::script::language::function::{Call, Form, Function, Topic, body};
-use crate::script::language::handle::Handle;
-use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::failure::interrupted;
 use crate::script::language::plain::Plain;
+use crate::script::language::prelude::*;
 use crate::script::language::values::{as_number, describe};
 
 /// Ratio of the smallest step size to the step size of the reference run.

@@ -10,13 +10,8 @@ use crate::script::api::motion::Motion;
 use crate::script::api::nested_runs::begin_study;
 use crate::script::api::simulations::handle::SimulationHandle;
 use crate::script::api::units::Units;
-use crate::script::language::arguments::{Arguments, Options};
-use crate::script::language::causes;
 use crate::script::language::digits::{brief, number_text, significant};
-use crate::script::language::failure::Failure;
-use crate::script::language::function::{Call, Form, Function, Topic, body};
-use crate::script::language::parameter::{Absent, Kind, Parameter};
-use crate::script::language::scan::Target;
+use crate::script::language::prelude::*;
 use crate::script::language::values::describe;
 
 /// The function `expect_invariant`.

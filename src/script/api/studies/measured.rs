@@ -3,11 +3,7 @@
 use rhai::{Array, Dynamic, Map};
 
 use crate::output::{ReadError, read_columns};
-use crate::script::language::arguments::Arguments;
-use crate::script::language::causes;
-use crate::script::language::failure::Failure;
-use crate::script::language::function::{Call, Form, Function, Topic, body};
-use crate::script::language::parameter::{Kind, Parameter};
+use crate::script::language::prelude::*;
 
 /// Function `read_csv` of scripts.
 pub fn read_csv() -> Function {

@@ -8,14 +8,10 @@ use crate::math::tolerances::ORDER_ROUND_OFF;
 use crate::script::api::checks::verdicts::{failed, only_listed, passed};
 use crate::script::api::nested_runs::begin_study;
 use crate::script::api::simulations::handle::SimulationHandle;
-use crate::script::language::arguments::{Arguments, Options};
-use crate::script::language::causes;
 use crate::script::language::digits::{brief, number_text, significant};
-use crate::script::language::failure::{Class, Failure};
-use crate::script::language::function::{Call, Form, Function, Topic, body};
-use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::failure::Class;
 use crate::script::language::plain::Plain;
-use crate::script::language::scan::Target;
+use crate::script::language::prelude::*;
 use crate::script::language::values::{as_number, describe};
 use crate::script::language::worker_pool::{Computed, Outcome};
 

@@ -10,13 +10,8 @@ use crate::output::{PointLog, RowsCsv, encoded};
 use crate::script::api::files::failures::output_failure;
 use crate::script::api::files::run_folder::RunFolder;
 use crate::script::api::simulations::journal::{Journal, is_kept};
-use crate::script::language::arguments::{Arguments, Options};
-use crate::script::language::causes;
-use crate::script::language::failure::Failure;
-use crate::script::language::function::Call;
-use crate::script::language::host::Host;
-use crate::script::language::parameter::{Absent, Kind, Parameter};
 use crate::script::language::plain::Plain;
+use crate::script::language::prelude::*;
 use crate::script::language::worker_pool::Computed;
 
 /// Name of the column, and of the key, for the cause of a point's failure.

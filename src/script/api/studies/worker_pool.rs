@@ -19,12 +19,11 @@ use crate::script::api::parameters::Overrides;
 use crate::script::api::units::DeclaredUnits;
 use crate::script::language::callback::Callback;
 use crate::script::language::diagnostics::defect;
-use crate::script::language::failure::{Class, Failure};
-use crate::script::language::function::Call;
-use crate::script::language::host::Host;
+use crate::script::language::failure::Class;
 use crate::script::language::limits::STACK;
 use crate::script::language::message::Message;
 use crate::script::language::plain::Plain;
+use crate::script::language::prelude::*;
 use crate::script::language::settings::{Checkpoints, Settings};
 use crate::script::language::worker_pool::{
     Blueprint, ClosureCaller, Computed, MakeWorker, NewWorker, Outcome, PortableClosure, Program, Reading, ScriptOutput, outcome_of,

@@ -10,12 +10,7 @@ use rhai::Dynamic;
 use crate::bodies::Plane;
 use crate::dynamics::Model;
 use crate::output::{ModelUnits, SETS, Unit, UnitError, UnitSet, UnitSetError};
-use crate::script::language::arguments::Arguments;
-use crate::script::language::failure::Failure;
-use crate::script::language::function::{Call, Form, Function, Topic, body};
-use crate::script::language::host::Host;
-use crate::script::language::parameter::{Absent, Kind, Parameter};
-use crate::script::language::scan::Target;
+use crate::script::language::prelude::*;
 use crate::script::language::wording::{did_you_mean, joined};
 
 /// Names of the parameters of `units`.

@@ -6,10 +6,7 @@ use super::declared::{DeclaredUnits, refused_unit};
 use crate::math::catalogue::Interval;
 use crate::output::{Dimension, Unit, UnitSet};
 use crate::script::api::numbers::entrywise;
-use crate::script::language::arguments::Arguments;
-use crate::script::language::failure::Failure;
-use crate::script::language::function::{Call, Form, Function, Topic, body};
-use crate::script::language::parameter::{Kind, Parameter};
+use crate::script::language::prelude::*;
 
 /// Short forms of `quantity`: name, unit, summary.
 const SHORT: &[(&str, &str, &str)] = &[
