@@ -5,7 +5,9 @@
 #![forbid(unsafe_code)]
 
 #[doc(no_inline)]
-pub use conserva_base::{elements, integrators, linear, machine, materials, math, mesh};
+pub use conserva_base::{elements, integrators, linear, machine, materials, math};
+#[doc(no_inline)]
+pub use conserva_mesh::mesh;
 
 #[path = "../../src/bodies/mod.rs"]
 pub mod bodies;

@@ -5,11 +5,13 @@
 #![forbid(unsafe_code)]
 
 #[doc(no_inline)]
-pub use conserva_base::{elements, integrators, linear, machine, materials, math, mesh};
+pub use conserva_base::{elements, integrators, linear, machine, materials, math};
 #[doc(no_inline)]
 pub use conserva_bodies::bodies;
 #[doc(no_inline)]
 pub use conserva_contact::contact;
+#[doc(no_inline)]
+pub use conserva_mesh::mesh;
 
 #[path = "../../src/dynamics/mod.rs"]
 pub mod dynamics;

@@ -1,79 +1,51 @@
 //! Answers to the requests of an editor.
 
-use std::collections::HashMap;
-
 use lsp_server::ErrorCode;
-use lsp_types::request::{
-    Completion, DocumentHighlightRequest, DocumentSymbolRequest, Formatting, GotoDefinition, HoverRequest, PrepareRenameRequest,
-    References, Rename, Request, ResolveCompletionItem, SignatureHelpRequest,
-};
-use lsp_types::{
-    CompletionItem, CompletionItemKind, CompletionParams, CompletionTextEdit, DocumentFormattingParams, DocumentHighlight,
-    DocumentSymbolParams, Documentation, GotoDefinitionParams, HoverParams, InsertTextFormat, Location, MarkupContent, MarkupKind,
-    ParameterInformation, ParameterLabel, ReferenceParams, RenameParams, SignatureHelp, SignatureHelpParams, SignatureInformation,
-    SymbolInformation, SymbolKind, TextDocumentPositionParams, TextEdit, Uri, WorkspaceEdit,
-};
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
 
 use super::documents::Documents;
-use super::positions::{address_of, byte_of, position_of, range_of};
+use super::positions::{address_of, byte_of, range_of};
+use super::protocol::{AtPosition, CompletionParameters, Location, OfDocument, RenameParameters, TextEdit};
 use crate::script::{Candidate, Document, Role};
 
 /// Code and text of a refusal.
 type Refusal = (ErrorCode, String);
 
 /// A text, its address, and a byte in it.
-type At<'a> = (&'a Document, Uri, usize);
+type At<'a> = (&'a Document, String, usize);
 
 /// Answers a request by its method; `null` without a result.
 ///
 /// # Errors
 /// An unknown method, invalid parameters, an invalid new name.
 pub fn answer(documents: &Documents, method: &str, parameters: Value) -> Result<Value, Refusal> {
+    let here = |parameters| Ok(on(documents, read(parameters)?));
     match method {
-        Completion::METHOD => completion(documents, read(parameters)?),
-        ResolveCompletionItem::METHOD => resolved(documents, read(parameters)?),
-        HoverRequest::METHOD => {
-            let HoverParams { text_document_position_params: at, .. } = read(parameters)?;
-            shown(on(documents, at).and_then(|(document, _, byte)| {
-                let found = document.hover(byte)?;
-                Some(json!({ "contents": markdown(found.text), "range": range_of(document.text(), &found.range) }))
-            }))
-        }
-        SignatureHelpRequest::METHOD => {
-            let SignatureHelpParams { text_document_position_params: at, .. } = read(parameters)?;
-            shown(on(documents, at).and_then(|(document, _, byte)| signature(document, byte)))
-        }
-        GotoDefinition::METHOD => {
-            let GotoDefinitionParams { text_document_position_params: at, .. } = read(parameters)?;
-            shown(on(documents, at).and_then(definition))
-        }
-        References::METHOD => {
-            let ReferenceParams { text_document_position: at, .. } = read(parameters)?;
-            shown(on(documents, at).map(|(document, uri, byte)| {
-                let places = document.occurrences(byte).into_iter();
-                places.map(|range| Location::new(uri.clone(), range_of(document.text(), &range))).collect::<Vec<_>>()
-            }))
-        }
-        DocumentHighlightRequest::METHOD => {
-            let at: TextDocumentPositionParams = read(parameters)?;
-            shown(on(documents, at).map(|(document, _, byte)| {
-                let places = document.occurrences(byte).into_iter();
-                places.map(|range| DocumentHighlight { range: range_of(document.text(), &range), kind: None }).collect::<Vec<_>>()
-            }))
-        }
-        PrepareRenameRequest::METHOD => {
-            let at: TextDocumentPositionParams = read(parameters)?;
-            shown(on(documents, at).and_then(|(document, _, byte)| {
-                let places = document.occurrences(byte).into_iter();
-                let here = places.into_iter().find(|range| range.start <= byte && byte <= range.end)?;
-                Some(range_of(document.text(), &here))
-            }))
-        }
-        Rename::METHOD => rename(documents, read(parameters)?),
-        DocumentSymbolRequest::METHOD => symbols(documents, &read(parameters)?),
-        Formatting::METHOD => formatting(documents, &read(parameters)?),
+        "textDocument/completion" => completion(documents, read(parameters)?),
+        "completionItem/resolve" => Ok(resolved(documents, parameters)),
+        "textDocument/hover" => shown(here(parameters)?.and_then(|(document, _, byte)| {
+            let found = document.hover(byte)?;
+            Some(json!({ "contents": markdown(found.text), "range": range_of(document.text(), &found.range) }))
+        })),
+        "textDocument/signatureHelp" => shown(here(parameters)?.and_then(|(document, _, byte)| signature(document, byte))),
+        "textDocument/definition" => shown(here(parameters)?.and_then(definition)),
+        "textDocument/references" => shown(here(parameters)?.map(|(document, uri, byte)| {
+            let places = document.occurrences(byte).into_iter();
+            places.map(|range| Location { uri: uri.clone(), range: range_of(document.text(), &range) }).collect::<Vec<_>>()
+        })),
+        "textDocument/documentHighlight" => shown(here(parameters)?.map(|(document, _, byte)| {
+            let places = document.occurrences(byte).into_iter();
+            places.map(|range| json!({ "range": range_of(document.text(), &range) })).collect::<Vec<_>>()
+        })),
+        "textDocument/prepareRename" => shown(here(parameters)?.and_then(|(document, _, byte)| {
+            let places = document.occurrences(byte).into_iter();
+            let here = places.into_iter().find(|range| range.start <= byte && byte <= range.end)?;
+            Some(range_of(document.text(), &here))
+        })),
+        "textDocument/rename" => rename(documents, read(parameters)?),
+        "textDocument/documentSymbol" => symbols(documents, &read(parameters)?),
+        "textDocument/formatting" => formatting(documents, &read(parameters)?),
         other => Err((ErrorCode::MethodNotFound, format!("there is no method {other}"))),
     }
 }
@@ -86,19 +58,19 @@ fn shown(value: Option<impl serde::Serialize>) -> Result<Value, Refusal> {
     serde_json::to_value(value).map_err(|error| (ErrorCode::InternalError, error.to_string()))
 }
 
-fn on(documents: &Documents, at: TextDocumentPositionParams) -> Option<At<'_>> {
+fn on(documents: &Documents, at: AtPosition) -> Option<At<'_>> {
     let document = documents.get(&at.text_document.uri)?;
     let byte = byte_of(document.text(), at.position);
     Some((document, at.text_document.uri, byte))
 }
 
-fn markdown(value: String) -> MarkupContent {
-    MarkupContent { kind: MarkupKind::Markdown, value }
+fn markdown(value: String) -> Value {
+    json!({ "kind": "markdown", "value": value })
 }
 
-fn completion(documents: &Documents, parameters: CompletionParams) -> Result<Value, Refusal> {
+fn completion(documents: &Documents, parameters: CompletionParameters) -> Result<Value, Refusal> {
     let sign = parameters.context.and_then(|context| context.trigger_character);
-    let Some((document, _, byte)) = on(documents, parameters.text_document_position) else { return Ok(Value::Null) };
+    let Some((document, _, byte)) = on(documents, parameters.at) else { return Ok(Value::Null) };
     let (text, before) = (document.text(), &document.text()[..byte]);
     // Of all braces only those of options trigger completion of names.
     if sign.as_deref() == Some("{") && !before.ends_with("#{") || sign.as_deref() == Some(":") && !before.ends_with("::") {
@@ -111,106 +83,107 @@ fn completion(documents: &Documents, parameters: CompletionParams) -> Result<Val
         let name = candidate.text.trim_end_matches(['(', ')', '#', '{', ' ', ':']).to_string();
         let kind = kind_of(&candidate, document.is_keyword(&name), before[..start].ends_with(['"', '`']));
         let (new_text, format) = inserted(&candidate.text, &name, is_called, documents.has_snippets);
-        CompletionItem {
-            label: name,
-            kind: Some(kind),
-            detail: Some(candidate.display),
-            sort_text: Some(format!("{number:05}")),
-            insert_text_format: Some(format),
-            text_edit: Some(CompletionTextEdit::Edit(TextEdit { range, new_text })),
-            ..CompletionItem::default()
-        }
+        json!({
+            "label": name,
+            "kind": kind,
+            "detail": candidate.display,
+            "sortText": format!("{number:05}"),
+            "insertTextFormat": format,
+            "textEdit": TextEdit { range, new_text },
+        })
     });
     shown(Some(items.collect::<Vec<_>>()))
 }
 
+/// Formats of inserted texts in the protocol.
+const PLAIN_TEXT: u8 = 1;
+const SNIPPET: u8 = 2;
+
 /// Returns the inserted text and its format: with the closing brackets, between which the editor puts the cursor, if it can.
-fn inserted(text: &str, name: &str, is_called: bool, has_snippets: bool) -> (String, InsertTextFormat) {
-    let plain = |text: &str| (text.to_string(), InsertTextFormat::PLAIN_TEXT);
+fn inserted(text: &str, name: &str, is_called: bool, has_snippets: bool) -> (String, u8) {
+    let plain = |text: &str| (text.to_string(), PLAIN_TEXT);
     match text {
         _ if text.contains('(') && is_called => plain(name),
         _ if !has_snippets => plain(text),
-        _ if text.ends_with("(#{ ") => (format!("{name}(#{{ $0 }})"), InsertTextFormat::SNIPPET),
-        _ if text.ends_with('(') => (format!("{name}($0)"), InsertTextFormat::SNIPPET),
+        _ if text.ends_with("(#{ ") => (format!("{name}(#{{ $0 }})"), SNIPPET),
+        _ if text.ends_with('(') => (format!("{name}($0)"), SNIPPET),
         _ => plain(text),
     }
 }
 
-fn kind_of(candidate: &Candidate, is_keyword: bool, is_in_string: bool) -> CompletionItemKind {
+/// Number of the kind of a completion in the protocol.
+fn kind_of(candidate: &Candidate, is_keyword: bool, is_in_string: bool) -> u8 {
+    let [function, variable, module, property, value, keyword] = [3, 6, 9, 10, 12, 14];
     match &candidate.text {
-        _ if is_in_string => CompletionItemKind::VALUE,
-        _ if is_keyword => CompletionItemKind::KEYWORD,
-        text if text.contains('(') || candidate.display.contains('(') => CompletionItemKind::FUNCTION,
-        text if text.ends_with("::") => CompletionItemKind::MODULE,
-        text if text.ends_with(": ") => CompletionItemKind::PROPERTY,
-        _ => CompletionItemKind::VARIABLE,
+        _ if is_in_string => value,
+        _ if is_keyword => keyword,
+        text if text.contains('(') || candidate.display.contains('(') => function,
+        text if text.ends_with("::") => module,
+        text if text.ends_with(": ") => property,
+        _ => variable,
     }
 }
 
 /// Adds the help of the reference to a completion.
-fn resolved(documents: &Documents, item: CompletionItem) -> Result<Value, Refusal> {
-    let help = documents.any().and_then(|document| document.help(&item.label));
-    shown(Some(CompletionItem { documentation: help.map(|text| Documentation::MarkupContent(markdown(text))), ..item }))
+fn resolved(documents: &Documents, mut item: Value) -> Value {
+    let label = item.get("label").and_then(Value::as_str);
+    let help = label.and_then(|label| documents.any()?.help(label));
+    if let (Some(help), Some(fields)) = (help, item.as_object_mut()) {
+        fields.insert("documentation".into(), markdown(help));
+    }
+    item
 }
 
-fn signature(document: &Document, byte: usize) -> Option<SignatureHelp> {
+fn signature(document: &Document, byte: usize) -> Option<Value> {
     let found = document.signature(byte)?;
-    let parameter = |name: String| ParameterInformation { label: ParameterLabel::Simple(name), documentation: None };
-    let active = u32::try_from(found.active).ok();
-    let signature = SignatureInformation {
-        label: found.label,
-        documentation: Some(Documentation::MarkupContent(markdown(found.summary))),
-        parameters: Some(found.parameters.into_iter().map(parameter).collect()),
-        active_parameter: active,
-    };
-    Some(SignatureHelp { signatures: vec![signature], active_signature: Some(0), active_parameter: active })
+    let parameters: Vec<Value> = found.parameters.into_iter().map(|name| json!({ "label": name })).collect();
+    Some(json!({
+        "signatures": [{ "label": found.label, "documentation": markdown(found.summary), "parameters": parameters }],
+        "activeSignature": 0,
+        "activeParameter": found.active,
+    }))
 }
 
 fn definition((document, uri, byte): At<'_>) -> Option<Location> {
     let (file, range) = document.definition(byte)?;
     match file {
-        None => Some(Location::new(uri, range_of(document.text(), &range))),
+        None => Some(Location { uri, range: range_of(document.text(), &range) }),
         Some(file) => {
             let text = crate::machine::files::read_text(&file).ok()?;
-            Some(Location::new(address_of(&file)?, range_of(&text, &range)))
+            Some(Location { uri: address_of(&file)?, range: range_of(&text, &range) })
         }
     }
 }
 
-fn rename(documents: &Documents, parameters: RenameParams) -> Result<Value, Refusal> {
-    let Some((document, uri, byte)) = on(documents, parameters.text_document_position) else { return Ok(Value::Null) };
+fn rename(documents: &Documents, parameters: RenameParameters) -> Result<Value, Refusal> {
+    let Some((document, uri, byte)) = on(documents, parameters.at) else { return Ok(Value::Null) };
     let name = parameters.new_name;
     let places = document.rename(byte, &name).map_err(|cause| (ErrorCode::InvalidParams, cause))?;
-    let edits = places.into_iter().map(|range| TextEdit::new(range_of(document.text(), &range), name.clone()));
-    #[allow(clippy::mutable_key_type)] // the protocol defines the key type
-    let changes = HashMap::from([(uri, edits.collect())]);
-    shown(Some(WorkspaceEdit { changes: Some(changes), ..WorkspaceEdit::default() }))
+    let edit = |range| TextEdit { range: range_of(document.text(), &range), new_text: name.clone() };
+    let edits: Vec<TextEdit> = places.into_iter().map(edit).collect();
+    shown(Some(json!({ "changes": { uri: edits } })))
 }
 
-fn symbols(documents: &Documents, parameters: &DocumentSymbolParams) -> Result<Value, Refusal> {
+fn symbols(documents: &Documents, parameters: &OfDocument) -> Result<Value, Refusal> {
     let uri = &parameters.text_document.uri;
     let Some(document) = documents.get(uri) else { return Ok(Value::Null) };
+    let [module, function, variable] = [2, 12, 13];
     let kind = |role| match role {
-        Role::Function => SymbolKind::FUNCTION,
-        Role::Module => SymbolKind::MODULE,
-        Role::Variable | Role::Parameter => SymbolKind::VARIABLE,
+        Role::Function => function,
+        Role::Module => module,
+        Role::Variable | Role::Parameter => variable,
     };
-    #[allow(deprecated)] // the protocol's struct requires the deprecated field
-    let symbol = |(name, role, range): (&str, Role, std::ops::Range<usize>)| SymbolInformation {
-        name: name.into(),
-        kind: kind(role),
-        tags: None,
-        deprecated: None,
-        location: Location::new(uri.clone(), range_of(document.text(), &range)),
-        container_name: None,
+    let symbol = |(name, role, range): (&str, Role, std::ops::Range<usize>)| {
+        let location = Location { uri: uri.clone(), range: range_of(document.text(), &range) };
+        json!({ "name": name, "kind": kind(role), "location": location })
     };
     shown(Some(document.outline().into_iter().map(symbol).collect::<Vec<_>>()))
 }
 
-fn formatting(documents: &Documents, parameters: &DocumentFormattingParams) -> Result<Value, Refusal> {
+fn formatting(documents: &Documents, parameters: &OfDocument) -> Result<Value, Refusal> {
     let Some(document) = documents.get(&parameters.text_document.uri) else { return Ok(Value::Null) };
     let (text, formatted) = (document.text(), document.formatted());
-    let whole = lsp_types::Range::new(position_of(text, 0), position_of(text, text.len()));
-    let edits = if formatted == text { Vec::new() } else { vec![TextEdit::new(whole, formatted)] };
+    let range = range_of(text, &(0..text.len()));
+    let edits = if formatted == text { Vec::new() } else { vec![TextEdit { range, new_text: formatted }] };
     shown(Some(edits))
 }

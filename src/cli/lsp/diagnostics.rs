@@ -2,13 +2,18 @@
 
 use std::time::Duration;
 
-use lsp_types::{DiagnosticSeverity, NumberOrString, Position};
-
 use super::positions::range_of;
+use super::protocol::{self, Range};
 use crate::script::{Diagnostic, Document, Severity, SourceSpan};
 
+/// Severities of the protocol.
+const ERROR: u8 = 1;
+const WARNING: u8 = 2;
+const INFORMATION: u8 = 3;
+const HINT: u8 = 4;
+
 /// Converts a message about a text: fault, causes and hints. Errors in a module are placed at its import or call.
-pub fn published(document: &Document, finding: &Diagnostic) -> lsp_types::Diagnostic {
+pub fn published(document: &Document, finding: &Diagnostic) -> protocol::Diagnostic {
     let own = |place: &&SourceSpan| document.is_own(place);
     let frames = finding.frames.iter().filter_map(|frame| frame.place.as_ref());
     let place = finding.place.as_ref().filter(own).or_else(|| frames.into_iter().find(own));
@@ -17,27 +22,27 @@ pub fn published(document: &Document, finding: &Diagnostic) -> lsp_types::Diagno
     let lines = std::iter::once(finding.title.clone()).chain(elsewhere).chain(label).chain(finding.causes.iter().cloned());
     let lines: Vec<String> = lines.chain(finding.hints.iter().map(|hint| format!("hint: {hint}"))).collect();
     let severity = match finding.severity {
-        Severity::Error => DiagnosticSeverity::ERROR,
-        Severity::Warning => DiagnosticSeverity::WARNING,
+        Severity::Error => ERROR,
+        Severity::Warning => WARNING,
     };
-    let code = Some(finding.code.clone()).filter(|code| !code.is_empty()).map(NumberOrString::String);
+    let code = Some(finding.code.clone()).filter(|code| !code.is_empty());
     let range = place.map(|place| range_of(&place.text, &place.range)).unwrap_or_default();
-    message(range, severity, code, lines.join("\n"))
+    diagnostic(range, severity, code, lines.join("\n"))
 }
 
-fn message(range: lsp_types::Range, severity: DiagnosticSeverity, code: Option<NumberOrString>, text: String) -> lsp_types::Diagnostic {
-    lsp_types::Diagnostic::new(range, Some(severity), code, Some("conserva".into()), text, None, None)
+fn diagnostic(range: Range, severity: u8, code: Option<String>, message: String) -> protocol::Diagnostic {
+    protocol::Diagnostic { range, severity, code, source: "conserva", message }
 }
 
 /// Note at the first use of a result, after which only names are checked.
-pub fn stopped_note(document: &Document, place: &SourceSpan) -> lsp_types::Diagnostic {
-    let range = if document.is_own(place) { range_of(&place.text, &place.range) } else { lsp_types::Range::default() };
+pub fn stopped_note(document: &Document, place: &SourceSpan) -> protocol::Diagnostic {
+    let range = if document.is_own(place) { range_of(&place.text, &place.range) } else { Range::default() };
     let text = "a result is used here; what follows depends on it and is checked by a run only".into();
-    message(range, DiagnosticSeverity::HINT, None, text)
+    diagnostic(range, HINT, None, text)
 }
 
 /// Note of a check that was stopped.
-pub fn too_long_note(patience: Duration) -> lsp_types::Diagnostic {
+pub fn too_long_note(patience: Duration) -> protocol::Diagnostic {
     let text = format!("the check was stopped after {} s; `conserva check` takes the time that is needed", patience.as_secs());
-    message(lsp_types::Range::new(Position::new(0, 0), Position::new(0, 0)), DiagnosticSeverity::INFORMATION, None, text)
+    diagnostic(Range::default(), INFORMATION, None, text)
 }

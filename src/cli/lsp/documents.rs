@@ -6,15 +6,16 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, mpsc};
 use std::time::Duration;
 
-use lsp_types::{InitializeParams, PublishDiagnosticsParams, Uri};
+use serde_json::Value;
 
 use super::diagnostics::{published, stopped_note, too_long_note};
 use super::positions::file_of;
+use super::protocol::Published;
 use crate::script::{Class, Document, Settings, imports_of};
 
 /// An open text.
 struct Open {
-    uri: Uri,
+    uri: String,
     version: i32,
     document: Document,
     is_unchecked: bool,
@@ -33,20 +34,19 @@ pub struct Documents {
 }
 
 impl Documents {
-    /// Set without texts, for an editor with these capabilities.
-    pub fn new(editor: &InitializeParams, settings: Settings, patience: Duration) -> Self {
-        let folder = editor.workspace_folders.as_ref().and_then(|folders| folders.first()).map(|folder| &folder.uri);
-        #[allow(deprecated)] // older editors send the deprecated field
-        let root = folder.or(editor.root_uri.as_ref()).and_then(file_of);
-        let completion = editor.capabilities.text_document.as_ref().and_then(|of| of.completion.as_ref());
-        let item = completion.and_then(|of| of.completion_item.as_ref());
-        let has_snippets = item.and_then(|item| item.snippet_support).unwrap_or(false);
+    /// Set without texts, for an editor with these parameters of `initialize`.
+    pub fn new(editor: &Value, settings: Settings, patience: Duration) -> Self {
+        // Older editors send `rootUri`, newer ones a list of folders.
+        let folder = editor.pointer("/workspaceFolders/0/uri").or(editor.get("rootUri")).and_then(Value::as_str);
+        let root = folder.and_then(file_of);
+        let snippets = editor.pointer("/capabilities/textDocument/completion/completionItem/snippetSupport");
+        let has_snippets = snippets.and_then(Value::as_bool).unwrap_or(false);
         Documents { settings, root, patience, has_snippets, open: BTreeMap::new() }
     }
 
     /// The text of an address.
-    pub fn get(&self, uri: &Uri) -> Option<&Document> {
-        self.open.get(uri.as_str()).map(|open| &open.document)
+    pub fn get(&self, uri: &str) -> Option<&Document> {
+        self.open.get(uri).map(|open| &open.document)
     }
 
     /// Any open text; the functions of the language are the same for all.
@@ -65,19 +65,19 @@ impl Documents {
     }
 
     /// Closes a text.
-    pub fn close(&mut self, uri: &Uri) {
-        self.open.remove(uri.as_str());
+    pub fn close(&mut self, uri: &str) {
+        self.open.remove(uri);
     }
 
     /// Opens or replaces a text; returns its errors if it cannot be compiled, so that no check is needed.
-    pub fn change(&mut self, uri: &Uri, version: i32, text: &str) -> Option<PublishDiagnosticsParams> {
-        if !self.open.contains_key(uri.as_str()) {
+    pub fn change(&mut self, uri: &str, version: i32, text: &str) -> Option<Published> {
+        if !self.open.contains_key(uri) {
             let (name, home) = self.name_and_home(uri, text);
             let document = Document::new(&name, &home, self.settings.clone());
             let document = document.or_else(|_| Document::new(&name, Path::new("."), self.settings.clone())).ok()?;
-            self.open.insert(uri.as_str().into(), Open { uri: uri.clone(), version, document, is_unchecked: false });
+            self.open.insert(uri.into(), Open { uri: uri.into(), version, document, is_unchecked: false });
         }
-        let open = self.open.get_mut(uri.as_str())?;
+        let open = self.open.get_mut(uri)?;
         open.version = version;
         let (findings, is_compiled) = open.document.set_text(text);
         open.is_unchecked = is_compiled;
@@ -85,14 +85,14 @@ impl Documents {
             return None;
         }
         let findings = findings.into_iter().chain(open.document.linted()).collect::<Vec<_>>();
-        let found = findings.iter().map(|finding| published(&open.document, finding)).collect();
-        Some(PublishDiagnosticsParams::new(uri.clone(), found, Some(version)))
+        let diagnostics = findings.iter().map(|finding| published(&open.document, finding)).collect();
+        Some(Published { uri: uri.into(), diagnostics, version: Some(version) })
     }
 
     /// Name of a text in messages, and the folder of its files: its own folder, or for a module that of the importing script.
-    fn name_and_home(&self, uri: &Uri, text: &str) -> (String, PathBuf) {
+    fn name_and_home(&self, uri: &str, text: &str) -> (String, PathBuf) {
         let Some(file) = file_of(uri) else {
-            return (uri.as_str().into(), self.root.clone().unwrap_or_else(|| ".".into()));
+            return (uri.into(), self.root.clone().unwrap_or_else(|| ".".into()));
         };
         let imports = imports_of(text);
         let has_all = |folder: &&Path| imports.iter().all(|path| folder.join(format!("{path}.rhai")).is_file());
@@ -103,7 +103,7 @@ impl Documents {
     }
 
     /// Checks a text that has changed; `None` if the check was interrupted by a message, so that it is repeated.
-    pub fn check_next(&mut self) -> Option<PublishDiagnosticsParams> {
+    pub fn check_next(&mut self) -> Option<Published> {
         let open = self.open.values_mut().find(|open| open.is_unchecked)?;
         open.is_unchecked = false;
         let interrupt = self.settings.interrupt.clone();
@@ -130,7 +130,7 @@ impl Documents {
         let found = findings.map(|finding| published(&open.document, finding));
         let stopped = checked.stopped.iter().map(|place| stopped_note(&open.document, place));
         let late = is_late.then(|| too_long_note(self.patience));
-        let found = found.chain(stopped).chain(late).collect();
-        Some(PublishDiagnosticsParams::new(open.uri.clone(), found, Some(open.version)))
+        let diagnostics = found.chain(stopped).chain(late).collect();
+        Some(Published { uri: open.uri.clone(), diagnostics, version: Some(open.version) })
     }
 }

@@ -7,6 +7,7 @@ mod answers;
 mod diagnostics;
 mod documents;
 mod positions;
+mod protocol;
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
@@ -17,20 +18,14 @@ use std::time::Duration;
 
 use clap::Args;
 use lsp_server::{Connection, ErrorCode, Message, Notification, Request, Response};
-use lsp_types::notification::{
-    DidChangeTextDocument, DidCloseTextDocument, DidOpenTextDocument, DidSaveTextDocument, Notification as _, PublishDiagnostics,
-};
-use lsp_types::{
-    CompletionOptions, DidChangeTextDocumentParams, DidCloseTextDocumentParams, DidOpenTextDocumentParams, DidSaveTextDocumentParams,
-    HoverProviderCapability, InitializeParams, OneOf, RenameOptions, ServerCapabilities, SignatureHelpOptions, TextDocumentSyncCapability,
-    TextDocumentSyncKind, WorkDoneProgressOptions,
-};
+use serde_json::{Value, json};
 
 use super::console::complain;
 use super::memory::MemoryArguments;
 use super::process::exit_code;
 use crate::script::{Class, MAX_OPERATIONS, Settings};
 use documents::Documents;
+use protocol::{Changed, OfDocument, Opened, Published};
 
 /// Arguments of `conserva lsp`.
 #[derive(Args)]
@@ -76,31 +71,21 @@ pub fn serve(arguments: Arguments) -> u8 {
 }
 
 /// Capabilities of the server.
-fn capabilities() -> ServerCapabilities {
-    let triggers = |signs: &[&str]| Some(signs.iter().map(ToString::to_string).collect());
-    ServerCapabilities {
-        text_document_sync: Some(TextDocumentSyncCapability::Kind(TextDocumentSyncKind::FULL)),
-        completion_provider: Some(CompletionOptions {
-            trigger_characters: triggers(&[".", "\"", "/", ":", "{"]),
-            resolve_provider: Some(true),
-            ..CompletionOptions::default()
-        }),
-        hover_provider: Some(HoverProviderCapability::Simple(true)),
-        signature_help_provider: Some(SignatureHelpOptions {
-            trigger_characters: triggers(&["(", ","]),
-            ..SignatureHelpOptions::default()
-        }),
-        definition_provider: Some(OneOf::Left(true)),
-        references_provider: Some(OneOf::Left(true)),
-        document_highlight_provider: Some(OneOf::Left(true)),
-        document_symbol_provider: Some(OneOf::Left(true)),
-        document_formatting_provider: Some(OneOf::Left(true)),
-        rename_provider: Some(OneOf::Right(RenameOptions {
-            prepare_provider: Some(true),
-            work_done_progress_options: WorkDoneProgressOptions::default(),
-        })),
-        ..ServerCapabilities::default()
-    }
+fn capabilities() -> Value {
+    /// Documents are sent whole.
+    const FULL: u8 = 1;
+    json!({
+        "textDocumentSync": FULL,
+        "completionProvider": { "triggerCharacters": [".", "\"", "/", ":", "{"], "resolveProvider": true },
+        "hoverProvider": true,
+        "signatureHelpProvider": { "triggerCharacters": ["(", ","] },
+        "definitionProvider": true,
+        "referencesProvider": true,
+        "documentHighlightProvider": true,
+        "documentSymbolProvider": true,
+        "documentFormattingProvider": true,
+        "renameProvider": { "prepareProvider": true },
+    })
 }
 
 /// Initializes the connection to the editor and answers its messages.
@@ -109,8 +94,7 @@ fn capabilities() -> ServerCapabilities {
 /// A violation of the protocol, or a closed connection; as a text.
 fn converse(connection: Connection, settings: Settings, patience: Duration) -> Result<(), String> {
     let (id, parameters) = connection.initialize_start().map_err(|error| error.to_string())?;
-    let parameters: InitializeParams = serde_json::from_value(parameters).unwrap_or_default();
-    let greeting = serde_json::json!({
+    let greeting = json!({
         "capabilities": capabilities(),
         "serverInfo": { "name": "conserva", "version": env!("CARGO_PKG_VERSION") },
     });
@@ -183,21 +167,21 @@ impl Server {
             serde_json::from_value(note.params).ok()
         }
         let changed = match note.method.as_str() {
-            DidOpenTextDocument::METHOD => read(note).map(|DidOpenTextDocumentParams { text_document: of }| (of.uri, of.version, of.text)),
-            DidChangeTextDocument::METHOD => read(note).and_then(|DidChangeTextDocumentParams { text_document: of, content_changes }| {
+            "textDocument/didOpen" => read(note).map(|Opened { text_document: of }| (of.uri, of.version, of.text)),
+            "textDocument/didChange" => read(note).and_then(|Changed { text_document: of, content_changes }| {
                 Some((of.uri, of.version, content_changes.into_iter().last()?.text))
             }),
-            DidSaveTextDocument::METHOD => {
+            "textDocument/didSave" => {
                 // Another open text may import a saved module.
-                if read::<DidSaveTextDocumentParams>(note).is_some() {
+                if read::<OfDocument>(note).is_some() {
                     self.documents.check_all();
                 }
                 None
             }
-            DidCloseTextDocument::METHOD => {
-                if let Some(DidCloseTextDocumentParams { text_document }) = read(note) {
-                    self.documents.close(&text_document.uri);
-                    self.publish(vec![lsp_types::PublishDiagnosticsParams::new(text_document.uri, Vec::new(), None)])?;
+            "textDocument/didClose" => {
+                if let Some(OfDocument { text_document: of }) = read(note) {
+                    self.documents.close(&of.uri);
+                    self.publish(vec![Published { uri: of.uri, diagnostics: Vec::new(), version: None }])?;
                 }
                 None
             }
@@ -208,8 +192,8 @@ impl Server {
         self.publish(found.ok().flatten().into_iter().collect())
     }
 
-    fn publish(&self, found: Vec<lsp_types::PublishDiagnosticsParams>) -> Result<(), String> {
-        found.into_iter().try_for_each(|found| self.send(Notification::new(PublishDiagnostics::METHOD.into(), found)))
+    fn publish(&self, found: Vec<Published>) -> Result<(), String> {
+        found.into_iter().try_for_each(|found| self.send(Notification::new("textDocument/publishDiagnostics".into(), found)))
     }
 
     /// Checks a text that has changed.

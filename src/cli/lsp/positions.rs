@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use lsp_types::{Position, Uri};
+use super::protocol::{self, Position};
 
 /// Returns the byte of a position; a position beyond the end of the line or text is moved to this end.
 pub fn byte_of(text: &str, position: Position) -> usize {
@@ -35,17 +35,17 @@ pub fn position_of(text: &str, byte: usize) -> Position {
     let start = before.rfind('\n').map_or(0, |newline| newline + 1);
     let units: usize = before[start..].chars().map(char::len_utf16).sum();
     let count = |number: usize| u32::try_from(number).unwrap_or(u32::MAX);
-    Position::new(count(before.matches('\n').count()), count(units))
+    Position { line: count(before.matches('\n').count()), character: count(units) }
 }
 
 /// Returns the range of bytes.
-pub fn range_of(text: &str, bytes: &Range<usize>) -> lsp_types::Range {
-    lsp_types::Range::new(position_of(text, bytes.start), position_of(text, bytes.end.max(bytes.start)))
+pub fn range_of(text: &str, bytes: &Range<usize>) -> protocol::Range {
+    protocol::Range { start: position_of(text, bytes.start), end: position_of(text, bytes.end.max(bytes.start)) }
 }
 
 /// Returns the file of an address; `None` for texts that are no files.
-pub fn file_of(uri: &Uri) -> Option<PathBuf> {
-    let path = uri.as_str().strip_prefix("file://")?;
+pub fn file_of(uri: &str) -> Option<PathBuf> {
+    let path = uri.strip_prefix("file://")?;
     let path = &path[path.find('/')?..];
     let mut bytes = Vec::with_capacity(path.len());
     let mut rest = path.as_bytes();
@@ -63,7 +63,7 @@ pub fn file_of(uri: &Uri) -> Option<PathBuf> {
 }
 
 /// Returns the address of a file.
-pub fn address_of(file: &Path) -> Option<Uri> {
+pub fn address_of(file: &Path) -> Option<String> {
     let path = file.to_str()?.replace('\\', "/");
     let mut text = String::from(if path.starts_with('/') { "file://" } else { "file:///" });
     for byte in path.bytes() {
@@ -73,7 +73,7 @@ pub fn address_of(file: &Path) -> Option<Uri> {
             _ => text += &format!("%{byte:02X}"),
         }
     }
-    text.parse().ok()
+    Some(text)
 }
 
 #[cfg(test)]
@@ -86,20 +86,20 @@ mod tests {
         for (line, character, byte) in
             [(0, 0, 0), (0, 1, 1), (0, 2, 3), (0, 4, 7), (0, 5, 8), (0, 99, 8), (1, 3, 10), (2, 1, 12), (9, 0, 12)]
         {
-            assert_eq!(byte_of(text, Position::new(line, character)), byte, "{line}:{character}");
+            assert_eq!(byte_of(text, Position { line, character }), byte, "{line}:{character}");
         }
-        assert_eq!(position_of(text, 7), Position::new(0, 4));
-        assert_eq!(position_of(text, 99), Position::new(2, 1));
-        assert_eq!(position_of(text, 5), Position::new(0, 2));
+        assert_eq!(position_of(text, 7), Position { line: 0, character: 4 });
+        assert_eq!(position_of(text, 99), Position { line: 2, character: 1 });
+        assert_eq!(position_of(text, 5), Position { line: 0, character: 2 });
     }
 
     #[test]
     fn files_have_addresses() {
         let file = Path::new("/a b/ä%.rhai");
         let address = address_of(file).unwrap();
-        assert_eq!(address.as_str(), "file:///a%20b/%C3%A4%25.rhai");
+        assert_eq!(address, "file:///a%20b/%C3%A4%25.rhai");
         assert_eq!(file_of(&address).unwrap(), file);
-        assert_eq!(file_of(&"file:///c%3A/x".parse().unwrap()).unwrap(), Path::new("c:/x"));
-        assert_eq!(file_of(&"untitled:a".parse().unwrap()), None);
+        assert_eq!(file_of("file:///c%3A/x").unwrap(), Path::new("c:/x"));
+        assert_eq!(file_of("untitled:a"), None);
     }
 }
