@@ -18,7 +18,6 @@ mod physics;
 mod point_stresses;
 mod recovery;
 mod rigid;
-mod rounds;
 mod special;
 mod stresses;
 mod sums;

@@ -11,7 +11,7 @@ use std::ops::Range;
 
 /// Number of cells below which a single thread is used, since waking another one takes longer than it saves. The order of summation is the
 /// same.
-pub(super) const LEAST_CELLS_FOR_THREADS: usize = 2000;
+pub const LEAST_CELLS_FOR_THREADS: usize = 2000;
 
 /// Smallest number of cells per run, for efficient threads; `MOST_RUNS`: largest number of runs of a body.
 const LEAST_CELLS: usize = 128;
@@ -19,18 +19,18 @@ const MOST_RUNS: usize = 16;
 
 /// Consecutive cells of a body, computed by one thread.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Run {
+pub struct Run {
     /// Cells, as positions in the order of the loop.
-    pub(super) cells: Range<usize>,
+    pub cells: Range<usize>,
     /// Smallest range of node numbers that has all nodes of the run.
-    pub(super) nodes: Range<usize>,
+    pub nodes: Range<usize>,
     /// Ranges within `nodes` to which no earlier round contributes, so that this run assigns the sums there and does not add to them.
-    pub(super) fresh: Vec<Range<usize>>,
+    pub fresh: Vec<Range<usize>>,
 }
 
 /// Divides the cells of a block into rounds, each in ascending order of its nodes; runs consist of whole groups of `together` cells.
 /// `touched` contains the node ranges of the preceding blocks in ascending order, and is extended by those of this block.
-pub(super) fn rounds(cells: &[Vec<u32>], together: usize, touched: &mut Vec<Range<usize>>) -> Vec<Vec<Run>> {
+pub fn rounds(cells: &[Vec<u32>], together: usize, touched: &mut Vec<Range<usize>>) -> Vec<Vec<Run>> {
     let length = cells.len().div_ceil(MOST_RUNS).max(LEAST_CELLS).next_multiple_of(together);
     let mut rounds: Vec<Vec<Run>> = Vec::new();
     for first in (0..cells.len()).step_by(length) {
@@ -70,8 +70,8 @@ fn without(range: Range<usize>, others: &[Range<usize>]) -> Vec<Range<usize>> {
     left
 }
 
-/// Disjoint slices of `data` at ascending ranges.
-pub(super) fn pieces(mut data: &mut [f64], ranges: impl Iterator<Item = Range<usize>>) -> Vec<&mut [f64]> {
+/// Returns disjoint slices of `data` at ascending ranges.
+pub fn pieces(mut data: &mut [f64], ranges: impl Iterator<Item = Range<usize>>) -> Vec<&mut [f64]> {
     let mut done = 0;
     ranges
         .map(|range| {
