@@ -24,7 +24,7 @@ pub(super) struct Run {
     pub(super) cells: Range<usize>,
     /// Smallest range of node numbers that has all nodes of the run.
     pub(super) nodes: Range<usize>,
-    /// Ranges within `nodes` to which no earlier round contributes, so that this run assigns the sums there and does not add to them.
+    /// Ranges within `nodes` to which no earlier round contributes: this run assigns sums there instead of adding.
     pub(super) fresh: Vec<Range<usize>>,
 }
 

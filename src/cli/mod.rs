@@ -1,4 +1,4 @@
-//! Floor 9: the command line. Terminal, signals and exit codes are handled here; the language is in `script/`.
+//! Floor 9 of `ARCHITECTURE.md`: the command line. Terminal, signals and exit codes are handled here; the language is in `script/`.
 
 mod check;
 mod columns;

@@ -59,7 +59,8 @@ pub(super) struct EliminationOptions<'a> {
 }
 
 impl Blocks<'_> {
-    /// LU of a block of columns whose upper part is complete: panel by panel, each followed by the update of the block's remaining columns.
+    /// LU of a block of columns whose rows above the block are complete: panel by panel, each followed by the update of the columns behind
+    /// it.
     #[inline(always)]
     pub(super) fn factor_block<S: Simd>(
         &mut self,

@@ -8,7 +8,7 @@ pub(super) struct Entry {
     /// Row and column.
     pub row: usize,
     pub column: usize,
-    /// Position among the values; `None` for couplings that the pattern lacks.
+    /// Position of the entry among the values; `None` for couplings that the pattern lacks.
     pub place: Option<usize>,
     /// Vertices of row and column.
     pub vertices: [usize; 2],
