@@ -182,7 +182,7 @@ impl<const D: usize> System<D> {
         self.matrix.solver.near_null_vector().unwrap_or_default()
     }
 
-    /// Finds the places of all contributions in a new pattern.
+    /// Finds the matrix positions of all contributions in a new pattern.
     fn place(&mut self) {
         self.equations.place(&self.matrix.pattern);
         self.matrix.place::<D>(&self.equations.supports.fixed, self.equations.multipliers);

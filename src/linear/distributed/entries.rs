@@ -14,7 +14,7 @@ pub(super) struct Entry {
     pub vertices: [usize; 2],
 }
 
-/// Visits the entries of a pattern, column by column; of a symmetric matrix its lower triangle.
+/// Visits the entries of a pattern, column by column; for a symmetric matrix the lower triangle only.
 ///
 /// # Errors
 /// The first error of `visit`.

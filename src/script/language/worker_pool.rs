@@ -26,7 +26,7 @@ pub struct Unit {
     pub names: Vec<String>,
 }
 
-/// The texts of the running script; of a prompt all entries, the later ones behind the earlier.
+/// Texts of the running script; at a prompt the texts of all entries, earlier ones first.
 #[derive(Default)]
 pub struct Program(pub std::cell::RefCell<Vec<Unit>>);
 

@@ -8,7 +8,7 @@ use crate::script::language::host::Host;
 /// Number of lines that are kept from the start of a run, and from its end.
 const LINES: [usize; 2] = [100, 400];
 
-/// Lines that a script printed; of many the first and the last ones.
+/// Lines that a script printed; if there are many, the first and the last ones.
 #[derive(Default)]
 pub struct Printed(RefCell<(Vec<String>, VecDeque<String>, usize)>);
 
