@@ -13,7 +13,7 @@ const LINES: [usize; 2] = [100, 400];
 pub struct Printed(RefCell<(Vec<String>, VecDeque<String>, usize)>);
 
 impl Printed {
-    /// Shows a text of one or more lines, and adds it.
+    /// Prints a text of one or more lines, and stores it for the report.
     pub fn show(host: &Host, text: &str) {
         host.observer.print(text);
         let printed = host.slots.get::<Printed>();
@@ -40,7 +40,7 @@ impl Printed {
     }
 }
 
-/// Pictures and movies that a script drew: simulation in whose folder a file is (`None`: folder of the run), and its path there.
+/// Pictures and movies that a script drew: simulation in whose folder the file is (`None`: folder of the run), and path in that folder.
 #[derive(Default)]
 pub struct Pictures(RefCell<Vec<(Option<String>, String)>>);
 
