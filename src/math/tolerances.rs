@@ -223,8 +223,7 @@ pub const BESIDE: f64 = 1e-6;
 /// search covers half a facet, so that a deeper overlap had no constraint; interlocking polygons and weighted gaps leave a tenth.
 pub const LEFT: f64 = 0.5;
 
-/// Penetration through the hull of another body, in the shorter facets nearby, above which an initial equilibrium without contact force
-/// between both bodies is refused.
+/// Penetration through the hull of another body, in the shorter facets nearby, at which an equilibrium without contact force is refused.
 pub const LEFT_PASSED: f64 = 0.25;
 
 /// Penetration in the initial equilibrium, in the longest facets nearby, up to which an overlap at a contact with positive multipliers is
