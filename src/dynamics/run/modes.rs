@@ -11,7 +11,7 @@ use crate::dynamics::model::step_error::StepError;
 pub struct Modes {
     /// Time of the state `[time]`.
     pub time: f64,
-    /// The vibrations.
+    /// Vibration modes, the slowest first.
     pub modes: Vec<Mode>,
     /// Mass of the model `[mass]`.
     pub mass: f64,

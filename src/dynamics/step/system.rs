@@ -40,7 +40,7 @@ use crate::math::workers::Workers;
 /// The equations of a model in `D` dimensions with matrix, counters and storage; functions that take [`Equations`] alone leave the latter
 /// unchanged.
 pub struct System<const D: usize> {
-    /// The equations.
+    /// Equations of the model: nodes, force elements, constraints.
     pub equations: Equations<D>,
     /// The matrix of the steps.
     pub matrix: Matrix,

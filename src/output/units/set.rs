@@ -35,7 +35,7 @@ pub enum UnitSetError {
     Unit {
         /// Index of the name.
         index: usize,
-        /// Reason.
+        /// Reason why the name is no unit.
         error: UnitError,
     },
     /// Two units of one dimension, such as `mm` and `m`.

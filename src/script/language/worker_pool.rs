@@ -20,7 +20,7 @@ use super::sources::Sources;
 /// A compiled text whose functions a session has.
 #[derive(Clone, Debug)]
 pub struct Unit {
-    /// The text.
+    /// Source text that was compiled.
     pub text: String,
     /// Variables in scope when the text was compiled.
     pub names: Vec<String>,

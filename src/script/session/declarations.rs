@@ -25,7 +25,7 @@ pub enum Role {
 /// Declaration of a name.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Declaration {
-    /// The name.
+    /// Declared name.
     pub name: String,
     /// Kind of the name.
     pub role: Role,
