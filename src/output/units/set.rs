@@ -33,7 +33,7 @@ pub struct UnitSet {
 pub enum UnitSetError {
     /// A name that is no unit.
     Unit {
-        /// Index of the name.
+        /// Index of the refused name among the declared units.
         index: usize,
         /// Reason why the name is no unit.
         error: UnitError,
