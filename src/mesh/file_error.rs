@@ -181,7 +181,7 @@ pub enum FileProblem {
     Collapsed {
         /// Number of the element in the file.
         element: u64,
-        /// Kind as which the cell is written.
+        /// Name of the cell kind as which the file declares the cell.
         kind: &'static str,
         /// Number of the first repeated node.
         node: u64,

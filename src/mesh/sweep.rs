@@ -19,7 +19,7 @@ pub(super) struct Sweep<'a> {
     pub is_backward: bool,
     /// Names of the section at its first and last place.
     pub ends: [&'a str; 2],
-    /// Cells over triangles.
+    /// Division of the prisms over triangles: one wedge, or three tetrahedra.
     pub prisms: Prisms,
 }
 
