@@ -190,7 +190,7 @@ impl SimulationHandle {
         let frame = every.map(|every| {
             let every = data.kernel_time(every);
             let frame = ((simulation.time() / every + SAME_MOMENT).floor() + 1.0) * every;
-            // A frame at the end up to round-off is that of the end.
+            // A frame whose time equals the end up to round-off is written at the end.
             end.filter(|end| (frame - end).abs() <= SAME_MOMENT * every).unwrap_or(frame)
         });
         end.into_iter().chain(frame).reduce(f64::min)
