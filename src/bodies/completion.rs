@@ -17,7 +17,7 @@ pub(super) struct AddedForce {
     pub(super) derivative: Derivative,
     /// Weight of the force.
     pub(super) weight: f64,
-    /// True if the derivative of the force is computed, too.
+    /// True if the derivative of the force is also computed.
     pub(super) with_tangent: bool,
     /// Derivative of the configuration in which the forces act with respect to the end of the step; 0 omits geometric terms.
     pub(super) geometric: f64,

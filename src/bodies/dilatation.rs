@@ -31,11 +31,11 @@ pub(super) const MOST_MODES: usize = 4;
 
 /// The modes of the dilatation of a batch of cells.
 pub(super) struct Modes {
-    /// Number of modes; 1 for the mean dilatation.
+    /// Number of dilatation modes; 1 for the mean dilatation.
     pub(super) count: usize,
-    /// Values at the points; the first mode is 1 everywhere.
+    /// Values of the dilatation modes at the quadrature points; the first mode is 1 everywhere.
     pub(super) values: [[Lanes<false>; MOST_POINTS]; MOST_MODES],
-    /// Norms of the modes: sums of their squares times the volumes of the points.
+    /// Norms of the dilatation modes: sums of squared values times the volumes of the points.
     norms: [Lanes<false>; MOST_MODES],
 }
 

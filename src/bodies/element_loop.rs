@@ -118,8 +118,8 @@ pub trait ElementLoop<const D: usize>: Send + Sync {
     /// body.
     fn fastest_cell(&self, lumping: Lumping, u: &[f64]) -> FastestCell;
 
-    /// Sets the internal force of a step on the nodes of the cells, and in their columns of the matrix its derivative with respect to `u_1`
-    /// with the weighted mass; these columns are zero elsewhere. Without `values` only the force, to the same bytes.
+    /// Sets the internal force of a step on the nodes of the cells and, in their matrix columns, its derivative with respect to `u_1` plus
+    /// the weighted mass; these columns are zero elsewhere. Without `values` only the force, with bitwise equal results.
     ///
     /// # Errors
     /// A cell that is inside out at `u_1`, the same one for any number of threads; forces and values are then undefined.

@@ -19,7 +19,7 @@ const LEAST_ROW_SUM: f64 = 1.0 / 5000.0;
 type NodalMasses<const A: usize> = [[f64; WIDTH]; A];
 
 impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: usize> Cells<D, S, L, A, Q> {
-    /// True if all row sums of the mass of every cell exceed what curved edges and round-off make of a zero row sum.
+    /// True if the row sums of the mass of every cell are positive, beyond the effect of curved edges and round-off on a zero row sum.
     fn has_positive_row_sums(&self) -> bool {
         self.batches.iter().all(|batch| {
             let masses = self.nodal_masses(batch, true);

@@ -1,4 +1,5 @@
-//! Floor 4: a body is a mesh with a material. This folder contains the only element loop, the mass, and the nodal weights of loads.
+//! Floor 4 of `ARCHITECTURE.md`: a body is a mesh with a material. This folder contains the element loop, the mass, and the nodal weights
+//! of loads.
 //!
 //! The loop works on batches of eight elements and combines three independent choices: cell kind (shape functions), material (a virtual
 //! call per batch) and time integrator (algorithmic gradient, place of evaluation).

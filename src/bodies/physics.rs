@@ -84,7 +84,7 @@ impl<const S: usize, const L: usize> Physics<S, L> {
         if self.is_axisymmetric() { 3 } else { D }
     }
 
-    /// Green-Lagrange strain and stress in space at a point of a batch with the history variables `kept`.
+    /// Green-Lagrange strain and second Piola-Kirchhoff stress in space at a point of a batch with the history variables `kept`.
     pub(super) fn seen(&self, strain: &Components<S>, hoop: Lanes<false>, kept: &[Lanes<false>], point: usize) -> BatchStress {
         let mut space = self.spatial_strain(strain, hoop);
         let (mut own, mut stress) = ([[Lanes::ZERO; L]], [[Lanes::ZERO; 6]]);

@@ -175,7 +175,7 @@ impl BarycentricMap {
 /// Distance from the plane (line, point) of the masters already chosen, relative to the mesh size, below which nodes count as coplanar.
 const FLAT: f64 = tolerances::FLAT_FRAME;
 
-/// Fraction of a rigid body's mass that is moved from the masters to the nodes tied to it, in equal parts.
+/// Fraction of a rigid body's mass that is moved from its masters to the nodes tied to them, in equal parts.
 const TIED_PART: f64 = 0.125;
 
 /// A rigid body as an [`ElementLoop`]: it has mass, but no internal force.

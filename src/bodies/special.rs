@@ -81,7 +81,7 @@ pub(super) struct SpecialPoints<const D: usize> {
     pub(super) hoop: [[Lanes<false>; MOST_POINTS]; 2],
 }
 
-/// Stresses of a step with their derivatives with respect to the strains at the end, and the data of a cell dilatation.
+/// Stresses of a step with their derivatives by the strains at the end, and data of a dilatation common to a cell.
 pub(super) struct Answer<const L: usize> {
     pub(super) responses: [Response<L>; MOST_POINTS],
     /// Derivatives with respect to the strain increment, for a mid-step stress that also depends on the increment.

@@ -27,7 +27,7 @@ pub(super) struct ViscousLaw<const S: usize> {
     viscosity: Viscosity,
 }
 
-/// Viscous contribution to a step at a point.
+/// Viscous stress, tangent and heat of a step at a point.
 struct Contribution<const S: usize> {
     stress: Components<S>,
     /// Viscous stress due to the strain rate, without branches.

@@ -1,4 +1,4 @@
-//! Floor 9: the command line. Terminal, signals and exit codes are handled here; the language is in `script/`.
+//! Floor 9 of `ARCHITECTURE.md`: the command line. Terminal, signals and exit codes are handled here; the language is in `script/`.
 
 mod check;
 mod columns;
@@ -139,7 +139,7 @@ pub fn main_of(program: std::path::PathBuf, arguments: impl IntoIterator<Item = 
 fn run_command(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> u8 {
     let arguments = match CommandLine::try_parse_from(arguments) {
         Ok(arguments) => arguments,
-        // Only the first process of an MPI job has a voice.
+        // Only the first process of an MPI job prints messages.
         Err(error) if ranks::is_served() => return u8::try_from(error.exit_code()).unwrap_or(exit_code(Class::Script)),
         Err(error) => return told(&error),
     };

@@ -34,9 +34,9 @@ const SMALL_TURN: f64 = 0.05;
 pub enum CoordinateKind {
     /// Angle with two functions, cosine and sine.
     Angle,
-    /// Displacement with one function, itself.
+    /// Displacement, given by one function: the displacement itself.
     Travel,
-    /// Distance with one function, its square.
+    /// Distance, given by one function: the squared distance.
     Distance,
 }
 

@@ -1,4 +1,5 @@
-//! Contact of surfaces with each other and with rigid obstacles (floor 4): surfaces, search, and one file for each method.
+//! Contact of surfaces with each other and with rigid obstacles (floor 4 of `ARCHITECTURE.md`): surfaces, search, and one file for each
+//! method.
 //!
 //! The **secondary** side carries the multipliers and is the domain of integration (in the literature *slave* or *nonmortar*); the other
 //! side is the **primary** one (*master*, *mortar*).

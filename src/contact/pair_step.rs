@@ -112,7 +112,7 @@ impl Functions<'_> {
         let middle_gradient = gradient(&start.shape, self.middle);
         let square = dot(&d, &d);
         let remainder = [0, 1].map(|k| end_value[k] - start.value[k] - dot(&middle_gradient[k], &d));
-        // In small steps the remainder is round-off, unless there is a kink.
+        // For small increments the remainder of the discrete gradient is round-off, unless a kink lies between start and end.
         let is_doubtful = square <= INVARIANT_INCREMENT * INVARIANT_INCREMENT * dot(self.end_pi, self.end_pi);
         let is_round_off = |k: usize| {
             let sizes: f64 = middle_gradient[k].iter().zip(&d).map(|(g, d)| (g * d).abs()).sum();

@@ -282,7 +282,7 @@ impl PlaneOutline {
                 let square = d[0] * d[0] + d[1] * d[1];
                 let mut gradient = StepGradient { bar: middle.normal, tangent: [[0.0; 2]; 2] };
                 let remainder = end.gap - start.gap - middle.normal[0] * d[0] - middle.normal[1] * d[1];
-                // In small steps the remainder is round-off, unless there is a corner.
+                // For small increments the remainder of the discrete gradient is round-off, unless a corner lies between both points.
                 let is_doubtful = square <= (PROJECTED_INCREMENT * size).powi(2);
                 if square > 0.0 && !(is_doubtful && remainder.abs() <= REMAINDER * size) {
                     let e = remainder / square;

@@ -86,8 +86,8 @@ impl<S> Roller<S> {
         axis.as_ref().map(|axis| masters.iter().zip(axis).map(|((node, _), share)| place::<D>(*node, q) * *share).sum())
     }
 
-    /// Nodes of the secondary and of the primary side nearest to the contact point, for the normal at the part; of the same side on an
-    /// obstacle.
+    /// Nodes of the secondary and of the primary side nearest to the contact point, for the normal at the part; nodes of the same side on
+    /// an obstacle.
     pub fn nearest<const D: usize>(&self, q: &[f64], normal: SVector<f64, D>) -> [u32; 2] {
         let own = self.facing(q, -normal).0;
         let Some(OtherBody { part, is_secondary }) = &self.other else { return [own; 2] };

@@ -1,5 +1,5 @@
-//! Floor 5: models, their equations, steps, runs. Dependencies have one direction: `run` uses `step`, `step` uses `parts`, `parts` uses
-//! `model`.
+//! Floor 5 of `ARCHITECTURE.md`: models, their equations, steps, runs. Dependencies have one direction: `run` uses `step`, `step` uses
+//! `parts`, `parts` uses `model`.
 
 mod model;
 mod parts;

@@ -1,4 +1,5 @@
-//! Floor 1: reference cells. A cell kind has shape functions, quadrature and facets, independent of meshes and materials.
+//! Floor 1 of `ARCHITECTURE.md`: reference cells. A cell kind has shape functions, quadrature and facets, independent of meshes and
+//! materials.
 //!
 //! The node order of every kind is VTK's; that of `wedge6` is the order of VTK 9.6 and later (older versions list both triangles in
 //! reverse). Facets are listed so that the cell lies to the left (2D) or the normal points outward (3D) when a cell is positively oriented.

@@ -73,7 +73,7 @@ const LAST: Scheme = {
     }
 };
 
-/// Stages with equal mass factors in their matrices.
+/// Stages of TR-BDF2 (trapezoidal rule, then BDF2), whose matrices have equal mass factors.
 static STAGES: [(f64, Scheme); 2] = [(2.0 - SQRT_2, FIRST), (SQRT_2 - 1.0, LAST)];
 
 /// TR-BDF2: conserves linear momentum exactly; vibrations faster than the steps vanish.

@@ -1,4 +1,5 @@
-//! Floor 3: algorithmic gradients of potentials across a step, and the time integrators; one file and one row of [`CATALOGUE`] each.
+//! Floor 3 of `ARCHITECTURE.md`: algorithmic gradients of potentials across a step, and the time integrators; one file and one row of
+//! [`CATALOGUE`] each.
 //!
 //! A [`Scheme`] is data. Element loop and contact kernels receive its [`Derivative`], a step reads its coefficients and history variables,
 //! tests read its promises. Functions of quadratic invariants have the [`discrete_gradient`]; functions of the positions of a contact

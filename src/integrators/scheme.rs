@@ -111,7 +111,7 @@ pub enum StepKind {
     /// Explicit: positions follow from the forces at the start with a lumped mass. The time step size is bounded by the highest natural
     /// frequency.
     Explicit(Lumping),
-    /// Static: from equilibrium to equilibrium without velocities; the coefficients of the row are not read.
+    /// Static: from equilibrium to equilibrium without velocities; the update coefficients of the scheme are unused.
     Equilibria,
 }
 

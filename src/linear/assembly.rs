@@ -77,7 +77,7 @@ const WORTH_SHARING: usize = 20_000;
 #[derive(Clone, Copy)]
 pub(super) struct Received<'a> {
     pub(super) symbolic: &'a Symbolic,
-    /// Locations of the update matrices of all fronts that are not yet assembled.
+    /// Stack locations of the update matrices of all fronts that are not yet assembled into their parents.
     pub(super) places: &'a [(UpdateLocation, usize)],
     pub(super) children: &'a [u32],
     /// Update matrices on the stacks, from index `start` of the buffer on; `handed`: those handed over by other tasks.
@@ -102,7 +102,7 @@ struct RestColumns<'a> {
 }
 
 impl<'a> Received<'a> {
-    /// Adds the update matrices of all children to the blocks of the front.
+    /// Adds the update matrices (Schur complements) of all children to the blocks of the front.
     #[inline(always)]
     pub(super) fn add_up<S: Simd>(self, simd: S, blocks: &mut Blocks, workers: &Workers) {
         let (p, u) = (blocks.p, blocks.u);

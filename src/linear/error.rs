@@ -26,7 +26,7 @@ pub enum LinearError {
     /// The factorization was ended by the interrupt flag of its [`InterruptWatch`](super::InterruptWatch).
     #[error("the factorisation was interrupted")]
     Interrupted,
-    /// The ranks of the distributed solver are not there.
+    /// MPI processes (ranks) of the distributed solver that are missing, or have ended too early.
     #[error(transparent)]
     Ranks(#[from] RanksError),
     /// There is not enough memory.

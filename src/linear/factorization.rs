@@ -164,7 +164,7 @@ impl Factorization {
             }
         }
         if !reorder && present == *self.order.kept {
-            // The review found no blocks that became zero.
+            // The search for blocks that became zero found none.
             self.account.uses = 0;
             return Ok(());
         }
@@ -181,7 +181,7 @@ impl Factorization {
                 self.work.dissections += orders.len();
                 self.choose(&restricted, orders)?;
             }
-            // If the first matrix has no contacts yet, the next structure gets a new order in any case.
+            // If the first matrix has no active contacts yet, the next structure gets a new order in any case.
             self.account.wasted = if ordered { 0.0 } else { f64::INFINITY };
         }
         (self.order.least, self.account.uses) = (self.symbolic.operations, 0);

@@ -57,7 +57,7 @@ impl Front {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PivotBlock {
     pub(super) source: Block,
-    /// Place of the block's first entry in the pivot block.
+    /// Position of the block's first entry in the pivot block.
     pub(super) target: u32,
     /// Vertices of the rows and columns.
     pub(super) row: u32,

@@ -50,19 +50,19 @@ pub const ITERATED: usize = 100_000;
 /// Number of matrices without convergence after which the iterative solver is no longer tried.
 const PATIENCE: u32 = 3;
 
-/// Iterative solver with the direct solver as its fallback.
+/// Iterative solver with the direct solver as fallback.
 pub struct IterativeWithFallback {
     choice: SolverChoice,
     pattern: Pattern,
     positions: Vec<f64>,
     iterative: Iterative,
     direct: Option<Box<Factorization>>,
-    /// State of the direct solver for the time at which it is created.
+    /// State of the direct solver (order of elimination), kept while no direct solver exists.
     kept: SolverMemory,
     taken_over: TakenOver,
     /// True if the direct solver has factorized the last matrix.
     is_direct: bool,
-    /// Work counters of freed direct solvers, and number of preconditioners made.
+    /// Work counters of direct solvers that have been freed, and number of preconditioners made.
     done: Work,
     workers: Workers,
     watch: InterruptWatch,

@@ -1,4 +1,5 @@
-//! Floor 1: sparse pattern built once, block positions for assembly, factorisation (symbolic once per pattern, numeric many times).
+//! Floor 1 of `ARCHITECTURE.md`: sparse pattern built once, block positions for assembly, factorisation (symbolic once per pattern, numeric
+//! many times).
 //!
 //! The matrix belongs to a graph: one vertex per node with its coordinates, and one per group of constraints with its multipliers. Its
 //! pattern is symmetric, its values are not. The position of each block is looked up once in the [`Pattern`]; assembly adds entries to a

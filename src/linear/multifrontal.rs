@@ -43,7 +43,7 @@ pub(super) struct Multifrontal {
     swaps: Vec<u32>,
     /// Update matrices of the last fronts of subtrees (tasks), assembled into the fronts above.
     handed: AlignedBuffer,
-    /// Buffers of each thread.
+    /// Scratch buffers, one per thread.
     scratch: Vec<Mutex<Scratch>>,
     /// Positions in the order of elimination whose pivots were replaced.
     replaced: Vec<u32>,

@@ -161,7 +161,7 @@ impl Order {
             && self.families == Order::new(Vec::new(), self.parents.clone()).families
     }
 
-    /// True if place `ancestor` is an ancestor of `place` in the elimination tree, or equal to it.
+    /// True if position `ancestor` is an ancestor of position `place` in the elimination tree, or equal to `place`.
     fn is_above(&self, ancestor: u32, place: u32) -> bool {
         let ([first, last], [_, own]) = (self.families[ancestor as usize], self.families[place as usize]);
         (first..=last).contains(&own)

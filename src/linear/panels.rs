@@ -27,9 +27,9 @@ pub(super) struct Blocks<'a> {
     pub(super) u: usize,
     /// Pivot block, `p x p`; becomes the unit lower factor and the upper factor with the reciprocals of the pivots.
     pub(super) diagonal: &'a mut [f64],
-    /// Rows below, `u x p`.
+    /// Rows below the pivot block, `u x p`.
     pub(super) lower: &'a mut [f64],
-    /// Columns to the right, transposed, `u x p`.
+    /// Columns to the right of the pivot block, transposed, `u x p`.
     pub(super) upper: &'a mut [f64],
     /// Remaining block of the non-pivot unknowns, `u x u`, which becomes the update matrix (Schur complement).
     pub(super) rest: &'a mut [f64],
@@ -59,7 +59,8 @@ pub(super) struct EliminationOptions<'a> {
 }
 
 impl Blocks<'_> {
-    /// LU of a block of columns whose upper part is complete: panel by panel, each followed by the update of the block's remaining columns.
+    /// LU of a block of columns whose rows above the block are complete: panel by panel, each followed by the update of the columns behind
+    /// it.
     #[inline(always)]
     pub(super) fn factor_block<S: Simd>(
         &mut self,

@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 pub enum Role {
     /// Coordinates of a node or director, or other unknowns with inertia or stiffness on the diagonal.
     Coordinates,
-    /// Coordinates of a massless node, which anchored constraints express by the coordinates of other vertices.
+    /// Coordinates of a massless (carried) node, which anchored constraints express by the coordinates of other vertices.
     Carried,
     /// Multipliers of one group of constraints; their diagonal block may be zero.
     Multipliers,
@@ -34,7 +34,7 @@ impl Vertex {
         Vertex { role: Role::Coordinates, size }
     }
 
-    /// Returns a vertex with the coordinates of a carried node.
+    /// Returns a vertex with the coordinates of a massless (carried) node.
     pub const fn carried(size: u8) -> Self {
         Vertex { role: Role::Carried, size }
     }
@@ -82,7 +82,7 @@ impl Block {
     /// Marker of a zero block, which has no position among the values.
     pub(super) const NOWHERE: Block = Block { start: u32::MAX, stride: 0 };
 
-    /// Place of entry `(row, column)` of the block.
+    /// Position of entry `(row, column)` of the block in the array of values.
     #[inline(always)]
     pub fn at(self, row: usize, column: usize) -> usize {
         self.start as usize + column * self.stride as usize + row
@@ -257,7 +257,7 @@ impl Pattern {
         self.first[vertex + 1] - self.first[vertex]
     }
 
-    /// True if the unknowns of a vertex are coordinates of a carried node.
+    /// True if the unknowns of a vertex are coordinates of a massless (carried) node.
     #[inline]
     pub(crate) fn is_carried(&self, vertex: usize) -> bool {
         self.roles[vertex] == Role::Carried
@@ -399,7 +399,7 @@ impl Pattern {
         }
     }
 
-    /// Compressed columns: start of every column, row of every entry, and place of the value of every entry (`None` without a value).
+    /// Compressed columns: start of every column, row of every entry, and position of the value of every entry (`None` without a value).
     pub fn compressed_columns(&self) -> (Vec<usize>, Vec<usize>, Vec<Option<usize>>) {
         let mut starts = Vec::with_capacity(self.unknowns() + 1);
         let (mut rows, mut places) = (Vec::new(), Vec::new());

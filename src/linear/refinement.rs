@@ -10,7 +10,7 @@ use crate::math::tolerances;
 pub(super) const REFINEMENTS: usize = 2;
 
 impl Factorization {
-    /// Solves; `first` is the substituted right-hand side and the product of the matrix with it, if they are known.
+    /// Solves with refinement. `first`: the substituted right-hand side and the product of the matrix with it, if known.
     pub(super) fn solve_from(&mut self, values: &[f64], right: &mut [f64], first: Option<(&[f64], &[f64])>) -> Result<f64, LinearError> {
         let size = self.scaled_size(right);
         if size == 0.0 {
@@ -100,7 +100,7 @@ impl Factorization {
         largest(rows.map(|((r, terms), (b, scale))| r * scale / ((terms + b.abs()) * scale).max(least)))
     }
 
-    /// Decides if the matrix `A` is singular or only has an unsuitable order, by the factors of `M`, the matrix with replaced pivots.
+    /// Refuses a singular matrix `A`, as opposed to an unsuitable order, by the factors of `M`, the matrix with replaced pivots.
     ///
     /// `M - A` is the product of the direction in which `A` lacks a pivot and a small row. If `A` has a null vector, the iteration `z :=
     /// M^-1 (M - A) z = z - M^-1 A z` converges to it.

@@ -48,8 +48,8 @@ pub(super) fn vertex_scales(pattern: &Pattern, values: &[f64], scales: &mut [f64
     for v in (0..pattern.vertices()).filter(|&v| !pattern.is_multiplier(v)) {
         scales[v] = reciprocal_root(own_block(v));
     }
-    // A carried node gets the scale of the nodes that carry it, so that its other constraints have responses of order one. Otherwise pivots
-    // in the rows of contacts between rigid bodies would be 1e-12 in small steps.
+    // A massless node gets the scale of the nodes that carry it: otherwise pivots of contacts between rigid bodies are 1e-12 in small
+    // steps.
     for v in (0..pattern.vertices()).filter(|&v| pattern.is_carried(v)) {
         let rows = pattern.neighbors(v).iter().filter(|&&u| pattern.anchor(u as usize) == Some(v as u32));
         let others = rows.flat_map(|&u| pattern.neighbors(u as usize)).map(|&w| w as usize);

@@ -21,7 +21,7 @@ const TASKS: f64 = 10.0;
 /// Structure of the factors of a pattern for one order of elimination.
 #[derive(Debug, Default)]
 pub(super) struct Symbolic {
-    /// Parent in the elimination tree of the vertex at each place of the order, or `u32::MAX`.
+    /// Parent, in the elimination tree, of each position of the order of elimination; `u32::MAX` for roots.
     pub(super) parents: Vec<u32>,
     /// Unknown at each position of the order of elimination after the merging of fronts.
     pub(super) unknowns: Vec<u32>,

@@ -15,7 +15,7 @@ const ZEROS: f64 = 0.05;
 /// Marker for a missing vertex.
 pub(super) const NONE: u32 = u32::MAX;
 
-/// The elimination tree with merged vertices; a vertex is named by its place in the order of elimination, a front by its last vertex.
+/// Elimination tree with merged vertices. A vertex is named by its position in the order of elimination, a front by its last vertex.
 pub(super) struct Tree {
     pub(super) roots: Vec<u32>,
     pub(super) first_kid: Vec<u32>,
@@ -31,7 +31,7 @@ pub(super) struct Tree {
 }
 
 impl Tree {
-    /// Children of a front, or before merging of a vertex.
+    /// Children of a front in the tree; before merging, children of a vertex.
     pub(super) fn kids(&self, k: u32) -> impl Iterator<Item = u32> + '_ {
         let mut kid = self.first_kid[k as usize];
         std::iter::from_fn(move || {

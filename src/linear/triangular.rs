@@ -11,8 +11,7 @@ use super::tiles::{WIDTH, four};
 /// One vector at a front: its pivots, and its other numbers.
 type AtFront<'a> = (&'a mut [f64], &'a mut [f64]);
 
-/// Evaluates `$body` for each pair of vectors, and for a vector that is left, in code of the caller: a closure might be compiled without
-/// its registers.
+/// Evaluates `$body` for each pair of vectors and for a last single one, inline: in a closure the compiler might not use wide registers.
 macro_rules! in_pairs {
     ($vectors:expr, $sides:expr; $at_front:ident => $body:expr) => {{
         let [p, u] = $sides;

@@ -61,7 +61,7 @@ impl UpdateStack {
                 tops[side as usize] += size(k);
                 *buffer = (*buffer).max(tops[0] + tops[1]);
             }
-            // The updates of the children are on top of the other stack and are released.
+            // The children's update matrices are on top of the other stack; after assembly into this front their space is free.
             for &child in &children[front.children.clone()] {
                 let side = waiting.places[child as usize].0;
                 if side != UpdateLocation::Handed {

@@ -1,4 +1,4 @@
-//! Floor 0: services of the machine: memory, regular files, interrupts by the user during long computations.
+//! Floor 0 of `ARCHITECTURE.md`: services of the machine: memory, regular files, interrupts by the user during long computations.
 
 pub mod files;
 pub mod memory;

@@ -40,7 +40,7 @@ impl<const S: usize> Response<S> {
 pub struct IncrementResponse<const S: usize> {
     /// Response at the mean of the two strains.
     pub mean: Response<S>,
-    /// Stress at the end.
+    /// Stress at the end of the strain increment.
     pub stress_end: Components<S>,
     /// Remainder of the discrete gradient, see [`super::Law::remainder`].
     pub remainder: Lanes<false>,

@@ -1,4 +1,4 @@
-//! Floor 1: stored-energy laws on the Green-Lagrange strain; formulas only, one file each.
+//! Floor 1 of `ARCHITECTURE.md`: stored-energy laws on the Green-Lagrange strain; formulas only, one file each.
 //!
 //! A law is written once on [`Tensor`](crate::math::tensor::Tensor), for plane strain, a stretched third direction and space, or it is
 //! an energy as text (`energy/`); [`BatchedLaw`] puts it behind a virtual call per batch of points. A new law is one file and one row of

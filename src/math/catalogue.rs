@@ -56,7 +56,7 @@ impl std::fmt::Display for Interval {
 pub struct OutOfRange {
     /// Admissible values.
     pub range: Interval,
-    /// The value.
+    /// Refused value of the parameter.
     pub value: f64,
 }
 

@@ -1,4 +1,5 @@
-//! Floor 0: SIMD lanes, vector norms, symmetric tensors, parameter descriptions, signals, minimization, threads, and every tolerance.
+//! Floor 0 of `ARCHITECTURE.md`: SIMD lanes, vector norms, symmetric tensors, parameter descriptions, signals, minimization, threads, and
+//! every tolerance.
 
 pub mod catalogue;
 pub mod curves;

@@ -24,7 +24,7 @@ pub struct Run {
     pub cells: Range<usize>,
     /// Smallest range of node numbers that has all nodes of the run.
     pub nodes: Range<usize>,
-    /// Ranges within `nodes` to which no earlier round contributes, so that this run assigns the sums there and does not add to them.
+    /// Ranges within `nodes` to which no earlier round contributes: this run assigns sums there instead of adding.
     pub fresh: Vec<Range<usize>>,
 }
 

@@ -47,7 +47,7 @@ pub trait Tensor: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Self::Sca
     /// True if the third direction has zero components; determinant and cofactor then vanish and are not computed.
     const PLANE: bool;
 
-    /// The identity.
+    /// Second-order identity tensor.
     fn identity() -> Self;
     /// Sum `A + s I`.
     fn plus_identity(&self, s: Self::Scalar) -> Self;

@@ -223,11 +223,11 @@ pub const BESIDE: f64 = 1e-6;
 /// search covers half a facet, so that a deeper overlap had no constraint; interlocking polygons and weighted gaps leave a tenth.
 pub const LEFT: f64 = 0.5;
 
-/// Penetration through the hull of another body, in the shorter facets nearby, that is an initial error without contact force.
+/// Penetration through the hull of another body, in the shorter facets nearby, at which an equilibrium without contact force is refused.
 pub const LEFT_PASSED: f64 = 0.25;
 
-/// Penetration in the initial equilibrium, in the longest facets nearby, up to which a positive multiplier shows that the contact is
-/// resolved: active constraints leave less.
+/// Penetration in the initial equilibrium, in the longest facets nearby, up to which an overlap at a contact with positive multipliers is
+/// accepted: active constraints leave a tenth.
 pub const LEFT_HELD: f64 = 1.0;
 
 /// Rotation of a cell of linear elasticity `[rad]` above which the cell is reported: half of the squared angle appears as spurious strain.

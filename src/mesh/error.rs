@@ -18,7 +18,7 @@ pub enum MeshError {
     NotPositive {
         /// Name of the number.
         what: &'static str,
-        /// The number.
+        /// Refused number, which must be positive.
         value: f64,
     },
     /// A number that must be finite.
@@ -26,7 +26,7 @@ pub enum MeshError {
     NotFinite {
         /// Name of the number.
         what: &'static str,
-        /// The number.
+        /// Refused number, which is infinite or NaN.
         value: f64,
     },
     /// A polygon with fewer than three corners.
@@ -44,9 +44,9 @@ pub enum MeshError {
     /// Meshes of cells of different dimension or order, which cannot be joined.
     #[error("a mesh of {first} and one of {second} cannot be joined")]
     JoinedKinds {
-        /// Cells of one mesh.
+        /// Cell kinds of the first mesh.
         first: &'static str,
-        /// Cells of the other mesh.
+        /// Cell kinds of the second mesh.
         second: &'static str,
     },
     /// Meshes to be joined have no node in common.
@@ -74,7 +74,7 @@ pub enum MeshError {
     NotMultiple {
         /// Direction that is divided.
         direction: &'static str,
-        /// The count.
+        /// Refused number of cells.
         count: usize,
         /// Divisor that the count must be a multiple of.
         of: usize,
@@ -84,7 +84,7 @@ pub enum MeshError {
     TooFewCells {
         /// Direction that is divided.
         direction: &'static str,
-        /// The count.
+        /// Refused number of cells.
         count: usize,
         /// The least admissible count.
         least: usize,
@@ -94,7 +94,7 @@ pub enum MeshError {
     TooManyCells {
         /// Number of cells requested, saturated.
         cells: usize,
-        /// The limit.
+        /// Largest admissible number of cells.
         limit: usize,
     },
     /// More cells than fit into memory.
@@ -163,9 +163,9 @@ pub enum MeshError {
     /// Two curves of the outline or of holes with a common point that is not an end of both.
     #[error("{first} and {second} touch or cross near {}", spot(.near))]
     CrossingCurves {
-        /// The first curve.
+        /// Name of the first crossing curve.
         first: String,
-        /// The second curve.
+        /// Name of the second crossing curve.
         second: String,
         /// Approximate position `[length]`.
         near: [f64; 2],
@@ -175,7 +175,7 @@ pub enum MeshError {
     UnknownLayers {
         /// Requested name.
         name: String,
-        /// Names that exist.
+        /// Names of the existing boundaries.
         available: Vec<String>,
     },
     /// Layers that are too thick: they intersect each other or the rim.
@@ -218,7 +218,7 @@ pub enum MeshError {
     OddLayers {
         /// Quoted names of the boundaries with layers.
         names: String,
-        /// Number of layers.
+        /// Refused number of layers.
         count: usize,
         /// Position where the layers end `[length]`.
         near: [f64; 2],
@@ -287,15 +287,15 @@ pub enum MeshError {
     /// Two meshes for a loft whose cells do not name the same nodes.
     #[error("the cells of the two meshes do not name the same nodes: {first}, and {second}")]
     Lofted {
-        /// Counts of one mesh.
+        /// Counts of nodes and cells of the first mesh.
         first: String,
-        /// Counts of the other mesh.
+        /// Counts of nodes and cells of the second mesh.
         second: String,
     },
     /// An angle of revolution that is zero, or larger than a full turn.
     #[error("a mesh is turned by more than 0 and by at most a full turn of 2 pi, but the angle is {angle}")]
     Revolution {
-        /// The angle `[rad]`.
+        /// Refused angle of the revolution `[rad]`.
         angle: f64,
     },
     /// A plane mesh that the axis of revolution touches or cuts.
@@ -315,13 +315,13 @@ pub enum MeshError {
     /// A transform that takes a plane mesh out of its plane.
     #[error("{what} takes the plane mesh out of its plane z = 0")]
     LeavesPlane {
-        /// The transform.
+        /// Transform that would leave the plane.
         what: &'static str,
     },
     /// A rotation axis without direction.
     #[error("the rotation axis ({}, {}, {}) has no direction", axis[0], axis[1], axis[2])]
     NoAxis {
-        /// The axis.
+        /// Refused axis, of length zero or not finite.
         axis: [f64; 3],
     },
     /// A part that the mesh does not have.
@@ -329,15 +329,15 @@ pub enum MeshError {
     UnknownPart {
         /// Requested name.
         name: String,
-        /// Names that exist.
+        /// Names of the existing parts.
         available: Vec<String>,
     },
     /// A new boundary with the name of an existing one.
     #[error("the mesh already has a boundary \"{name}\"; its boundaries are {}", listed(.available))]
     BoundaryExists {
-        /// The name.
+        /// Name that is in use.
         name: String,
-        /// Names that exist.
+        /// Names of the existing boundaries.
         available: Vec<String>,
     },
 
@@ -379,7 +379,7 @@ pub enum MeshError {
         at: Option<FilePosition>,
         /// Number in the file; index in the mesh when no file was read.
         cell: u64,
-        /// The node.
+        /// Number of the node that occurs twice in the cell.
         node: u64,
     },
     /// A facet that more than two cells share.

@@ -115,7 +115,7 @@ pub enum FileProblem {
     Coordinate {
         /// Number of the node in the file.
         node: u64,
-        /// The coordinate.
+        /// Refused coordinate: infinite or not a number.
         value: f64,
     },
     /// Content in an unsupported form.
@@ -131,7 +131,7 @@ pub enum FileProblem {
     Undecodable {
         /// Description of the data.
         what: String,
-        /// Reason in words.
+        /// Reason why the data cannot be decoded, in words.
         reason: String,
     },
     /// Two nodes with one number.
@@ -181,7 +181,7 @@ pub enum FileProblem {
     Collapsed {
         /// Number of the element in the file.
         element: u64,
-        /// Kind as which the cell is written.
+        /// Name of the cell kind as which the file declares the cell.
         kind: &'static str,
         /// Number of the first repeated node.
         node: u64,
@@ -211,7 +211,7 @@ pub enum FileProblem {
         kind: &'static str,
         /// Number of cells of that kind.
         count: usize,
-        /// Another kind.
+        /// Name of the other, less frequent cell kind.
         other: &'static str,
         /// Number of cells of the other kind.
         others: usize,
@@ -263,7 +263,7 @@ pub enum FileProblem {
     AmbiguousName {
         /// Dimension of the groups.
         dimension: usize,
-        /// The name.
+        /// Name that several groups have.
         name: String,
         /// Number of the first group.
         first: u64,
@@ -273,7 +273,7 @@ pub enum FileProblem {
     /// A keyword of an Abaqus file that changes the mesh in a way that is not followed here.
     #[error("the keyword *{keyword} is not read here: {reason}")]
     Keyword {
-        /// The keyword.
+        /// Unsupported keyword of the input file.
         keyword: String,
         /// Reason for which the keyword is refused: its effect.
         reason: &'static str,
@@ -305,9 +305,9 @@ pub enum FileProblem {
     /// A keyword without a required parameter.
     #[error("the keyword *{keyword} needs the parameter {parameter}")]
     MissingParameter {
-        /// The keyword.
+        /// Keyword line that lacks the parameter.
         keyword: String,
-        /// The parameter.
+        /// Missing parameter of the keyword.
         parameter: &'static str,
     },
     /// A set that the file does not have.

@@ -53,7 +53,7 @@ impl Layers {
         positive("the thickness of all layers", self.thickness())
     }
 
-    /// Positions of the layered sides.
+    /// Points on the sides with layers, as a search tree, for the cell size near layers.
     ///
     /// # Errors
     /// A boundary that no side belongs to.

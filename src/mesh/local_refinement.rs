@@ -130,7 +130,7 @@ impl Refinement<'_> {
         }
     }
 
-    /// The new mesh.
+    /// Refined mesh with the given children of the divided cells.
     fn mesh(mut self, pieces: &[ChildCell]) -> Mesh {
         let kind = if self.old.is_quadratic() { CellKind::Tri6 } else { CellKind::Tri3 };
         let mut connectivity = Vec::with_capacity(pieces.len() * kind.nodes());

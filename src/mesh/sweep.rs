@@ -17,9 +17,9 @@ pub(super) struct Sweep<'a> {
     pub is_closed: bool,
     /// True if the section moves against its normal.
     pub is_backward: bool,
-    /// Names of the section at its first and last place.
+    /// Names of the boundaries at the first and the last section.
     pub ends: [&'a str; 2],
-    /// Cells over triangles.
+    /// Division of the prisms over triangles: one wedge, or three tetrahedra.
     pub prisms: Prisms,
 }
 

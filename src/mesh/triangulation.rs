@@ -34,7 +34,7 @@ pub(super) struct Rim {
     pub next: Vec<usize>,
     /// Curve of each segment, and the curve parameters of its ends.
     pub pieces: Vec<(usize, [f64; 2])>,
-    /// The curves.
+    /// Curves of the boundary, on which the vertices of the rim lie.
     pub curves: Vec<Curve>,
     /// Names of the boundaries that each curve belongs to.
     pub names: Vec<Vec<String>>,

@@ -120,7 +120,7 @@ pub struct SavedSimulation {
     pub state: Option<Arc<State>>,
     /// States before the last steps, the newest last; kept if the script goes back by steps.
     pub past: Vec<Arc<State>>,
-    /// Recorded stills.
+    /// Recorded stills (animation frames).
     pub recording: Option<Recording>,
     /// Length and CRC-32 of `history.csv`.
     pub rows: Option<(u64, u32)>,

@@ -41,13 +41,13 @@ pub enum OutputError {
     /// Written file that has been removed since.
     #[error("\"{}\" is gone: it was removed or replaced while the run went on", path.display())]
     Gone {
-        /// The file.
+        /// Path of the removed file.
         path: PathBuf,
     },
     /// Name of a file that the run reads.
     #[error("\"{}\" is read by this run, so no result is written in its place", path.display())]
     Input {
-        /// The file.
+        /// Path of the input file.
         path: PathBuf,
     },
     /// Another process writes to the directory.

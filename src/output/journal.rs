@@ -118,7 +118,7 @@ pub struct Mark {
     pub length: u64,
     /// CRC-32 of these bytes.
     pub checksum: u32,
-    /// Number of computations and returns among the entries.
+    /// Number of entries that are computations or returns to a stored state.
     pub events: u64,
 }
 

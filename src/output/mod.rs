@@ -1,4 +1,5 @@
-//! Floor 6: results as files. One file per format; bytes are made by pure functions, apart from where they are written.
+//! Floor 6 of `ARCHITECTURE.md`: results as files. One file per format; bytes are made by pure functions, apart from where they are
+//! written.
 //!
 //! Every file of a run passes through [`RunFiles`], which keeps it below the output directory and replaces it in one piece.
 

@@ -122,7 +122,7 @@ fn write_group<W: Write + Send>(columns: &[Field], start: usize, writer: &mut Se
     group.close().map(drop)
 }
 
-/// Returns the existing values, and their positions.
+/// Returns the existing values, and for each row 1 if its value exists, else 0 (definition levels of Parquet).
 fn known<T, U>(values: &[Option<T>], as_written: impl Fn(&T) -> U) -> (Vec<U>, Vec<i16>) {
     (values.iter().flatten().map(as_written).collect(), values.iter().map(|value| i16::from(value.is_some())).collect())
 }

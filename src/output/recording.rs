@@ -54,7 +54,7 @@ pub struct Skin {
     pub nodes: Vec<u32>,
     /// Space dimension.
     pub dimension: usize,
-    /// True of a body whose material flows plastically: its plastic strain is recorded.
+    /// True for a body whose material flows plastically: its plastic strain is recorded.
     pub flows: bool,
     /// Further quantities that are recorded, as ascending indices into [`FURTHER`].
     further: Vec<usize>,

@@ -65,7 +65,7 @@ impl RowsCsv {
     }
 }
 
-/// Returns the text of a table of texts.
+/// Returns a table of texts as CSV: the header, then the rows.
 pub fn rows_csv<S: AsRef<str>>(header: &[S], rows: &[Vec<S>]) -> Vec<u8> {
     std::iter::once(line(header)).chain(rows.iter().map(|row| line(row))).flatten().collect()
 }

@@ -3,7 +3,7 @@
 use super::picture::Field;
 use crate::dynamics::{BodyFields, LocalFrame};
 
-/// Number of components of a quantity at a node.
+/// Tensor rank of a quantity at a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rank {
     /// A number.
@@ -14,7 +14,7 @@ pub enum Rank {
     Tensor,
 }
 
-/// A quantity that stills may have.
+/// Quantity that stills (recorded animation frames) may have beyond those of every run.
 pub struct Further {
     /// Name, as [`Field::source`] gives it.
     pub name: &'static str,
@@ -56,7 +56,7 @@ impl Field {
     }
 }
 
-/// Content of a recording.
+/// Content of a recording of animation frames (stills).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct StillOptions {
     /// Largest number of stills (at least 2); by default 160, or fewer if memory would be exceeded.

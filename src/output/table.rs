@@ -34,12 +34,12 @@ impl Column {
     }
 }
 
-/// Named column of words; `None` for missing words.
+/// Named column of texts.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TextColumn {
     /// Name of the column.
     pub name: String,
-    /// Words by row.
+    /// Texts of the column, row by row; `None` for missing texts.
     pub values: Vec<Option<String>>,
 }
 

@@ -53,7 +53,7 @@ fn topology(frame: &FieldsRead) -> Result<Topology, String> {
     Ok(Topology { name: "Mixed", width: 1, numbers })
 }
 
-/// Returns the HDF5 file of a frame: `points`, `topology`, and every field under its name.
+/// Returns the HDF5 file of a frame: `points`, `topology`, and every field as a data set with its name.
 ///
 /// # Errors
 /// The HDF5 writer refuses the data; the text gives the reason.

@@ -1,8 +1,8 @@
-//! Floor 7: the script language: engine, functions, argument checking, messages, the files of a run.
+//! Floor 7 of `ARCHITECTURE.md`: the script language: engine, functions, argument checking, messages, the files of a run.
 //!
-//! Three rooms, with dependencies in one direction: `session` on `api`, both on `language`. A [`Session`] is one engine with its scope and
-//! its host; it runs a script, and prompt and test runner use its methods. Script types are cheap handles around `Rc`, so a session stays
-//! on its thread.
+//! Three folders, with dependencies in one direction: `session` on `api`, both on `language`. A [`Session`] is one engine with its scope
+//! and its host; it runs a script, and prompt and test runner use its methods. Script types are cheap handles around `Rc`, so a session
+//! stays on its thread.
 
 mod api;
 mod language;

@@ -13,7 +13,7 @@ pub struct StudyPicture {
     pub name: String,
     /// Title of the picture.
     pub title: String,
-    /// The picture.
+    /// Drawing of the picture.
     pub drawing: Drawing,
 }
 

@@ -1,4 +1,4 @@
-//! Floor 8: studies: one script for many values of its parameters, with the complete state in a folder.
+//! Floor 8 of `ARCHITECTURE.md`: studies: one script for many values of its parameters, with the complete state in a folder.
 //!
 //! A [`Plan`] lists the points of a [`Design`]; [`compute`] computes a point as a plain run with `--set`. It is called by a pool of
 //! processes on this machine ([`here`]), a task of a cluster's scheduler ([`slurm`]), or a command in a shell. [`collect`] makes the table.

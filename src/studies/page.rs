@@ -84,7 +84,7 @@ fn troubles(plan: &Plan, collected: &Collected) -> String {
 }
 
 fn table(study: &StudyFolder, plan: &Plan, collected: &Collected) -> String {
-    // Columns without any value, such as the drifts of scripts without simulations, take only room.
+    // Columns without any value, such as the drifts of scripts without simulations, only take up space and are left out.
     let has_any = |column: &StudyColumn| (0..collected.table.rows()).any(|row| !column.cell(row).is_empty());
     let is_shown = |column: &&StudyColumn| !HIDDEN.contains(&column.name()) && has_any(column);
     let shown: Vec<&StudyColumn> = collected.table.columns.iter().filter(is_shown).collect();

@@ -79,7 +79,7 @@ pub struct Plan {
     pub limits: Limits,
     /// Names of the varied parameters.
     pub names: Vec<String>,
-    /// The points.
+    /// Points of the study, in the order of computation.
     pub points: Vec<Point>,
 }
 

@@ -20,7 +20,7 @@ pub enum SamplingMethod {
 pub struct Sampling {
     /// Method of sampling.
     pub method: SamplingMethod,
-    /// Number of samples.
+    /// Number of samples of the varied parameters.
     pub count: usize,
     /// Seed of the pseudo-random numbers.
     pub seed: u32,

@@ -66,7 +66,7 @@ pub struct Closing<T> {
     factor: [T; 3],
 }
 
-/// Pair of values, one per side, secondary first.
+/// Pair of values: for the secondary side, then for the primary side.
 type OfBoth2<T> = [T; 2];
 
 /// Integrals over a polygon from which the forces of profiles are computed.

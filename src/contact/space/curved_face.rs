@@ -47,11 +47,12 @@ pub fn corner_normals(face: &[u32], q: &[f64]) -> Vec<Option<[Vector; 4]>> {
     pieces.iter().map(of_piece).collect()
 }
 
-/// Center of the surface through the nodes of a face of eight or nine nodes; the ninth node unless it follows from the others.
+/// Center of the surface through the nodes of a face of eight or nine nodes: the ninth node, unless it is the center of the serendipity
+/// interpolation of the eight others, which is then corrected.
 ///
-/// Eight nodes do not show terms `xi^2 eta^2` of the surface. In the mean plane, with the coordinates `X` from the center, surfaces of
-/// constant curvature (spheres, cylinders) have the height `z = -Q (1 + |grad Q|^2/4)` up to the fourth degree, `Q` quadratic in `X`. The
-/// center of the serendipity interpolation is wrong by that of `z`.
+/// The positions of eight nodes do not determine terms `xi^2 eta^2`. Over the mean plane, with the coordinates `X` from the center,
+/// surfaces of constant curvature (spheres, cylinders) have the height `z = -Q (1 + |grad Q|^2/4)` up to the fourth degree, `Q` quadratic
+/// in `X`. At the center `z` is zero, but its serendipity interpolation is not: this error is subtracted.
 pub fn center(face: &[u32], q: &[f64]) -> Vector {
     let at = |k: usize| faces::at(face[k], q);
     let (corners, middles) = ([0, 1, 2, 3].map(at), [4, 5, 6, 7].map(at));

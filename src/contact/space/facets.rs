@@ -36,7 +36,7 @@ pub struct Facets {
     points: Vec<[f64; 3]>,
     triangles: Vec<[u32; 3]>,
     whole: RTree<Face>,
-    /// Sides; empty without re-entrant edges.
+    /// Search trees of the sides (parts between edges of more than 30 degrees); empty without re-entrant edges.
     sides: Vec<RTree<Face>>,
     side_of: Vec<usize>,
     /// For each side, the adjacent sides across re-entrant edges.

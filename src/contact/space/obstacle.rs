@@ -210,7 +210,7 @@ fn corrected<const N: usize>(start: f64, middle: &Local<N>, end: &Local<N>, d: [
     let square = dot(&d);
     let (mut bar, mut tangent) = (middle.slope, middle.curvature.map(|row| row.map(|h| 0.5 * h)));
     let remainder = end.value - start - dot(&middle.slope);
-    // In small steps the remainder is round-off, unless there is a corner.
+    // For small increments the remainder of the discrete gradient is round-off, unless a corner lies between both points.
     let is_doubtful = square <= (PROJECTED_INCREMENT * size).powi(2);
     if square > 0.0 && !(is_doubtful && remainder.abs() <= REMAINDER * size) {
         let e = remainder / square;

@@ -144,7 +144,7 @@ impl<T: Number> View<T> {
                 moment[i] -= turn[i];
             }
         }
-        // b = -m x n / |N|, d N.b = dc.(d x b) + dd.(b x c)
+        // Rotation `b` of the projection normal `N/|N|`, `N = c x d` with the diagonals: b = -m x n / |N|, d N.b = dc.(d x b) + dd.(b x c)
         let tilt = scaled(cross(moment, normal), -length.recip());
         let (of_c, of_d) = (cross(tilt, d), cross(tilt, c));
         let [on_c, on_d] = if self.counts[0] == 3 { [(1, 0), (2, 0)] } else { [(2, 0), (3, 1)] };

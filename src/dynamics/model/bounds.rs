@@ -152,7 +152,7 @@ impl Bound {
                 add(-gap / size, x);
             }
         }
-        // Small obstacles pass between the nodes.
+        // An obstacle smaller than a facet can pass between the nodes, so that middles of facets are checked, too.
         for piece in self.pieces.iter().filter(|piece| piece.iter().any(|&node| !self.is_named[node as usize])) {
             let corners: Vec<[f64; 3]> = piece.iter().map(|&node| at(node)).collect();
             let middle = mean(&corners);

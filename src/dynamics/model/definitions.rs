@@ -124,11 +124,11 @@ pub struct Model {
     pub joints: Vec<JointDefinition>,
     /// Nodes of boundaries that linear equations couple.
     pub couplings: Vec<Coupling>,
-    /// Initial displacements of bodies' nodes `[length]`; of several entries for a body the last one is used.
+    /// Initial displacements of bodies' nodes `[length]`; the last entry for a body is used.
     pub initial_displacements: Vec<InitialDisplacement>,
-    /// Stress-free stretches of bodies; of several entries for a body the last one is used.
+    /// Stress-free stretches of bodies; the last entry for a body is used.
     pub growths: Vec<Growth>,
-    /// Initial velocities of bodies; of several entries for a body the last one is used.
+    /// Initial velocities of bodies; the last entry for a body is used.
     pub initial_velocities: Vec<InitialVelocity>,
 }
 

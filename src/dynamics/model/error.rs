@@ -207,7 +207,7 @@ pub enum ModelError {
         /// Number of unknowns or contact elements, and the shortage of memory.
         reason: String,
     },
-    /// The ranks of the distributed solver are not there.
+    /// MPI processes (ranks) of the distributed solver that are missing, or have ended too early.
     #[error(transparent)]
     Ranks(#[from] RanksError),
     /// Boundary that is fixed and moved in one direction.

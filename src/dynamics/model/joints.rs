@@ -172,7 +172,7 @@ pub struct JointFriction {
 }
 
 impl JointFriction {
-    /// Largest friction per reaction, and without reaction: moments of a rotation, forces otherwise.
+    /// Coefficients `[a, b]` of the friction limit `L = a |R| + b`: moments for a rotation, forces otherwise.
     pub fn limit(&self, rotates: bool) -> [f64; 2] {
         let by_reaction = self.coefficient * if rotates { self.radius } else { 1.0 };
         [by_reaction, by_reaction * self.preload + self.constant]

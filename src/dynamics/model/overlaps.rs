@@ -20,7 +20,7 @@ pub struct Overlap {
     pub kind: OverlapKind,
     /// Name of the interaction between the two objects; `None` without one.
     pub contact: Option<String>,
-    /// True if end `end` needs directions that rotate with its body, which nodes of deformable bodies do not have.
+    /// Penetration at the deepest point `[length]`.
     pub depth: f64,
     /// Penetration relative to the facet length.
     pub facets: f64,

@@ -5,7 +5,7 @@
 pub struct Quantity {
     /// Name, such as `kinetic`.
     pub name: &'static str,
-    /// Dimension in space, such as `energy` or `mass * length/time`; `1` of numbers, `rad` of angles. In the plane, forces, energies and
+    /// Dimension in space, such as `energy` or `mass * length/time`; `1` for numbers, `rad` for angles. In the plane, forces, energies and
     /// masses are those of a unit thickness.
     pub dimension: &'static str,
 }

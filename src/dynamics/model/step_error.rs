@@ -149,12 +149,12 @@ pub enum StepError {
         /// Time of the last accepted step.
         time: f64,
     },
-    /// The ranks of the distributed solver have ended.
+    /// The MPI processes (ranks) of the distributed solver have ended during the step.
     #[error("{source} at t = {time}")]
     Ranks {
         /// Time of the last accepted step.
         time: f64,
-        /// Failure of the ranks.
+        /// Failure of the MPI processes (ranks).
         source: RanksError,
     },
     /// Shortage of memory, which a smaller step does not cure.

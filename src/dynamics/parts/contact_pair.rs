@@ -68,7 +68,7 @@ pub struct CoupledNodes {
 pub struct CornersOf {
     /// Index of the contact pair.
     pub pair: usize,
-    /// Admitted overlap `[length]`: on surfaces that lie flat on each other, corner constraints depend linearly on those of the pair.
+    /// Admitted overlap of corner constraints `[length]`: without it, those of flat touching surfaces depend linearly on those of the pair.
     pub slack: f64,
 }
 

@@ -10,7 +10,7 @@ use crate::mesh::pieces_of;
 /// Round contacts of a model.
 #[derive(Clone, Copy)]
 pub struct RoundContacts<'a> {
-    /// The model.
+    /// Model whose contacts are examined.
     pub model: &'a Model,
     /// First node of each body.
     pub first: &'a dyn Fn(usize) -> usize,

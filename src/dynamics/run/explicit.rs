@@ -37,7 +37,7 @@ pub(super) struct ExplicitStep {
     pub f_0: Vec<f64>,
     /// Multipliers at the end of the step before, and of this step.
     pub lambda: [Vec<f64>; 2],
-    /// Motion without the change of multipliers.
+    /// Motion in the step with unchanged multipliers.
     pub unpushed: Vec<f64>,
     /// Force change at the start of the step by the new multipliers, and the force of the earlier multipliers; empty without multipliers.
     pub kick: Vec<f64>,

@@ -174,7 +174,7 @@ pub struct JointLoad {
 /// Friction of a joint in a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JointFrictionLoad {
-    /// Friction along the coordinate on the second body, mean over the step: a force or, of an angle, a moment; of a ball joint the size
+    /// Friction along the coordinate on the second body, mean over the step: a force, or for an angle a moment; for a ball joint the size
     /// of the moment.
     pub force: f64,
     /// Work in the step, never positive `[energy]`.

@@ -18,7 +18,7 @@ pub struct Halving {
     pub cause: Cause,
     /// First motion that was too large; `None` for other causes.
     pub motion: Option<LargeMotion>,
-    /// Number of halvings.
+    /// Number of halvings for this cause.
     pub count: usize,
     /// Number of the last accepted step before the first halving.
     pub step: usize,

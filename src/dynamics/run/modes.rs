@@ -11,7 +11,7 @@ use crate::dynamics::model::step_error::StepError;
 pub struct Modes {
     /// Time of the state `[time]`.
     pub time: f64,
-    /// The vibrations.
+    /// Vibration modes, the slowest first.
     pub modes: Vec<Mode>,
     /// Mass of the model `[mass]`.
     pub mass: f64,
@@ -43,12 +43,12 @@ pub struct Mode {
 }
 
 impl Mode {
-    /// Angular frequency, 0 of an instability `[1/time]`.
+    /// Angular frequency `[1/time]`; 0 for an instability.
     pub fn angular_frequency(&self) -> f64 {
         self.eigenvalue.max(0.0).sqrt()
     }
 
-    /// Oscillations per time, 0 of an instability `[1/time]`.
+    /// Oscillations per time `[1/time]`; 0 for an instability.
     pub fn frequency(&self) -> f64 {
         self.angular_frequency() / TAU
     }

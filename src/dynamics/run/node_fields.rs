@@ -35,7 +35,7 @@ impl NodeField {
         NodeField { name, words, value: NodeValue::Vector(value) }
     }
 
-    /// Dimension, `1` of numbers.
+    /// Physical dimension; `1` for pure numbers.
     pub fn dimension(&self) -> &'static str {
         field_dimension(self.name)
     }
@@ -60,7 +60,7 @@ impl NodeField {
         !is_direction && !["position", "contact_gap"].contains(&self.name)
     }
 
-    /// Number at a node; of a vector its length.
+    /// Number at a node; for a vector field the length of the vector.
     pub fn size(&self, body: &BodyFields, node: usize, frame: &LocalFrame) -> f64 {
         match self.value {
             NodeValue::Number(read) => read(body, node),

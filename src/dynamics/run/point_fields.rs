@@ -59,7 +59,7 @@ pub struct PointField {
     pub name: &'static str,
     /// Name in words.
     pub words: &'static str,
-    /// Dimension, `1` of numbers.
+    /// Physical dimension; `1` for pure numbers.
     pub dimension: &'static str,
     /// Name of the quantity from which the field follows, such as `stress`.
     pub source: &'static str,
@@ -96,7 +96,7 @@ impl PointField {
         PointField { dimension, ..self }
     }
 
-    /// Number at a point; of a vector its length.
+    /// Number at a point; for a vector field the length of the vector.
     pub fn number(&self, at: &CellStress, frame: &LocalFrame) -> f64 {
         match self.value {
             PointValue::Number(read) => read(at, frame),
@@ -177,7 +177,7 @@ pub static NODAL_FIELDS: &[Quantity] = &[
     Quantity::new("contact_heat", "energy/area"),
 ];
 
-/// Dimension of a field of nodes or points by its name; `1` of an unknown one.
+/// Physical dimension of a field of nodes or points by its name; `1` for an unknown one.
 pub fn field_dimension(name: &str) -> &'static str {
     let of_points = || POINT_FIELDS.iter().find(|field| field.name == name).map(|field| field.dimension);
     NODAL_FIELDS.iter().find(|field| field.name == name).map(|field| field.dimension).or_else(of_points).unwrap_or("1")

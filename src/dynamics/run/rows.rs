@@ -4,13 +4,13 @@ use super::ledger::LedgerRow;
 
 /// Ordered rows of a ledger, such as an array or a history whose older rows are on disk.
 pub trait Rows {
-    /// Number of rows.
+    /// Number of rows of the ledger.
     fn count(&self) -> usize;
 
     /// Calls a function with every row from index `from` on.
     fn visit(&self, from: usize, each: &mut dyn FnMut(&LedgerRow));
 
-    /// The last row.
+    /// Last row of the ledger; `None` if it has no rows.
     fn last_row(&self) -> Option<LedgerRow>;
 }
 

@@ -317,7 +317,7 @@ struct Gathered {
     /// Sums of the energy taken by contact, of the work of contact, and of energy defects.
     sums: [f64; 3],
     drift: Drift,
-    /// Largest energy defect; of equal values the last.
+    /// Largest energy defect of a static step; the last one if several are equal.
     leap: At,
 }
 

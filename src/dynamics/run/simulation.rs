@@ -216,7 +216,7 @@ impl Simulation {
         self.steps.watch(node);
     }
 
-    /// The watched nodes.
+    /// Indices of the watched nodes, whose motion is recorded in the ledger.
     pub fn watched(&self) -> &[usize] {
         self.steps.watched()
     }

@@ -17,7 +17,7 @@ pub struct Tally {
     pub(super) assemblies: usize,
     pub(super) solver_calls: SolverCalls,
     pub(super) causes: Halvings,
-    /// Deepest penetration of a body into a rigid obstacle by a part outside its contact definition.
+    /// Deepest penetration of a body into a rigid obstacle by a part of the body outside the contact definition.
     pub(super) passed: Option<BodyPastObstacle>,
 }
 

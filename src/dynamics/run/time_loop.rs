@@ -415,7 +415,7 @@ where
                     substeps.shorten(shorter);
                 }
                 Err(failure) => {
-                    // A step halved before its solution is no attempt.
+                    // Steps that are halved by prediction, before any solution, are not listed as attempts.
                     if !matches!(failure, Failure::Foreseen(_)) {
                         self.tries.push(tried(&failure, size, &self.trace));
                         if !may_be_halved {

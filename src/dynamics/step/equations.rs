@@ -288,7 +288,7 @@ impl<const D: usize> Equations<D> {
         Ok(largest)
     }
 
-    /// Finds the places of all contributions in a new pattern.
+    /// Finds the matrix positions of all contributions in a new pattern.
     pub(super) fn place(&mut self, pattern: &Pattern) {
         let nodes = self.nodes.count();
         self.bodies.iter_mut().for_each(|body| body.place(pattern));

@@ -109,7 +109,7 @@ where
         for (row, right) in fresh.iter().zip(rights.chunks_exact_mut(unknowns)) {
             self.add_brought(frozen, start.shares(), at, &BTreeMap::from([(*row, 1.0)]), right);
         }
-        // Estimates decide about sets alone; the last set is solved with all digits.
+        // Estimated solutions only select active sets; the final set is solved to full accuracy.
         let clock = Instant::now();
         let outcome = self.matrix.solver.estimate(&at.tangent, &mut rights);
         self.counters.times.solve += clock.elapsed();

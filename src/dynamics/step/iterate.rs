@@ -9,7 +9,7 @@ use crate::dynamics::model::part::Pose;
 /// The equations of a step at an iterate.
 #[derive(Default)]
 pub struct Linearization {
-    /// Positions.
+    /// Positions of the nodes at the end of the step.
     pub q_1: Vec<f64>,
     /// Displacements from the reference positions, accurate relative to their own size, from which strains are computed.
     pub u_1: Vec<f64>,

@@ -47,7 +47,7 @@ impl Matrix {
         Ok(())
     }
 
-    /// Finds the places of supports and multipliers.
+    /// Finds the matrix positions of supports and multipliers.
     pub fn place<const D: usize>(&mut self, fixed: &[bool], multipliers: usize) {
         let (pattern, nodes) = (&self.pattern, fixed.len() / D);
         self.diagonals = (nodes..nodes + multipliers).map(|v| pattern.block(v as u32, v as u32).start).collect();
@@ -79,7 +79,8 @@ impl Matrix {
     }
 }
 
-/// Couplings of all force elements and pairs. Anchor of a multiplier: its secondary node, if free and not the anchor for another pair.
+/// Pattern of the couplings of all force elements and pairs. A multiplier is eliminated after its anchor: its secondary node, if free and
+/// not the anchor for another pair.
 pub fn pattern_of<'a, const D: usize>(
     fixed: &[bool],
     multipliers: usize,
@@ -103,7 +104,7 @@ pub fn pattern_of<'a, const D: usize>(
     pairs.iter().for_each(|pair| pair.for_each_coupling(nodes, &mut add));
     let mut taken: Vec<bool> = fixed.chunks_exact(D).map(|components| components.contains(&true)).collect();
     let mut anchors = Vec::with_capacity(multipliers);
-    // Carried nodes of rigid bodies are without mass: their constraints precede the contact constraints at these nodes.
+    // Nodes that follow the masters of a rigid body have no mass: their constraints precede the contact constraints at these nodes.
     let (carrying, others): (Vec<&ContactPair>, Vec<&ContactPair>) = pairs.iter().partition(|pair| pair.kind == PairKind::Rigidity);
     for pair in carrying.into_iter().chain(others) {
         // Several constraints of one node have different directions.

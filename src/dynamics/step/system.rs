@@ -40,7 +40,7 @@ use crate::math::workers::Workers;
 /// The equations of a model in `D` dimensions with matrix, counters and storage; functions that take [`Equations`] alone leave the latter
 /// unchanged.
 pub struct System<const D: usize> {
-    /// The equations.
+    /// Equations of the model: nodes, force elements, constraints.
     pub equations: Equations<D>,
     /// The matrix of the steps.
     pub matrix: Matrix,
@@ -182,7 +182,7 @@ impl<const D: usize> System<D> {
         self.matrix.solver.near_null_vector().unwrap_or_default()
     }
 
-    /// Finds the places of all contributions in a new pattern.
+    /// Finds the matrix positions of all contributions in a new pattern.
     fn place(&mut self) {
         self.equations.place(&self.matrix.pattern);
         self.matrix.place::<D>(&self.equations.supports.fixed, self.equations.multipliers);

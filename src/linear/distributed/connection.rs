@@ -24,13 +24,13 @@ const START: Duration = Duration::from_secs(180);
 /// Longest time for ranks to end after the last message, before they are killed.
 const END: Duration = Duration::from_secs(10);
 
-/// Number at the beginning of the greeting.
+/// Number at the beginning of the first message (greeting) of rank 0.
 const MAGIC: i64 = 0x0031_304d_554d_4f43;
 
-/// Length of the version in the greeting.
+/// Length of the version text in the first message (greeting) of rank 0 `[bytes]`.
 const VERSION: usize = 32;
 
-/// Bytes that are collected before they are written.
+/// Number of bytes that are buffered before they are sent.
 const BUFFER: usize = 1 << 18;
 
 /// Command of a message.
@@ -46,7 +46,7 @@ pub(super) enum Command {
 /// Head of a message.
 pub(super) type Head = [i64; 8];
 
-/// Returns the head of a message.
+/// Returns the header of a message: command and arguments.
 pub(super) fn head(command: Command, arguments: &[i64]) -> Head {
     let mut head = [0; 8];
     head[0] = command as i64;
@@ -54,11 +54,11 @@ pub(super) fn head(command: Command, arguments: &[i64]) -> Head {
     head
 }
 
-/// Ranks of the distributed solver.
+/// MPI processes (ranks) of the distributed solver.
 pub(super) struct Ranks {
     stream: Option<UnixStream>,
     child: Child,
-    /// Number of ranks that was asked for.
+    /// Number of ranks that was requested.
     wanted: u32,
     /// Number of ranks.
     pub count: usize,
@@ -67,15 +67,15 @@ pub(super) struct Ranks {
     matrices: i64,
 }
 
-/// Ranks of this process, made for the first solver.
+/// Ranks of the distributed solver that this process uses, started with the first solver.
 static RANKS: Mutex<Option<Arc<Mutex<Ranks>>>> = Mutex::new(None);
 
-/// Locks; a panic elsewhere leaves nothing inconsistent that the connection would not report.
+/// Locks a mutex, also after a panic of another thread: inconsistent data would be reported by the connection.
 pub(super) fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Returns the ranks of this process, which are started if needed.
+/// Returns the ranks of the distributed solver, which are started if needed.
 pub(super) fn ranks(wanted: u32, watch: &InterruptWatch) -> Result<Arc<Mutex<Ranks>>, LinearError> {
     let mut known = locked(&RANKS);
     if let Some(ranks) = &*known {
@@ -112,7 +112,7 @@ impl Folder {
 
 impl Drop for Folder {
     fn drop(&mut self) {
-        // What remains is an empty folder among temporary files.
+        // If the removal fails, an empty folder remains among the temporary files.
         let _ = std::fs::remove_dir_all(&self.0);
     }
 }
@@ -155,7 +155,8 @@ impl Ranks {
         Ok(ranks)
     }
 
-    /// True if these ranks serve a solver that wants so many. The ranks of an MPI job, whose launcher has no second rank 0, serve all.
+    /// True if these ranks serve a solver that requests `wanted` ranks. Those of an MPI job, whose launcher has no second rank 0, serve
+    /// all.
     fn is_usable(&self, wanted: u32) -> bool {
         super::launch::MpiProcess::this().is_some() || self.stream.is_some() && self.wanted == wanted
     }
@@ -184,7 +185,7 @@ impl Ranks {
         head.iter().try_for_each(|number| self.put(&number.to_ne_bytes(), watch))
     }
 
-    /// Writes what was collected.
+    /// Sends the buffered bytes.
     pub fn flush(&mut self, watch: &InterruptWatch) -> Result<(), LinearError> {
         let mut sent = 0;
         while sent < self.buffer.len() {
@@ -198,7 +199,7 @@ impl Ranks {
         Ok(())
     }
 
-    /// Fills an array with what the ranks answer.
+    /// Fills an array with bytes that rank 0 sends.
     pub fn receive(&mut self, into: &mut [u8], watch: &InterruptWatch) -> Result<(), LinearError> {
         let mut received = 0;
         while received < into.len() {
@@ -211,7 +212,7 @@ impl Ranks {
         Ok(())
     }
 
-    /// Judges a transfer without bytes: it is repeated after a timeout unless the user has interrupted.
+    /// Decides if a transfer without bytes is repeated: after a timeout, unless the user has interrupted.
     fn go_on(&mut self, outcome: std::io::Result<usize>, watch: &InterruptWatch) -> Result<(), LinearError> {
         let is_waiting =
             outcome.is_err_and(|error| matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut | ErrorKind::Interrupted));
@@ -222,7 +223,7 @@ impl Ranks {
         }
     }
 
-    /// Receives the head of an answer.
+    /// Receives the header of an answer of rank 0.
     pub fn answer(&mut self, watch: &InterruptWatch) -> Result<Head, LinearError> {
         let mut numbers = [0.0; 8];
         self.receive_numbers(&mut numbers, watch)?;
@@ -241,7 +242,7 @@ impl Ranks {
         Ok(())
     }
 
-    /// Frees a matrix of the ranks. After a loss there is nothing to free.
+    /// Frees a matrix on the ranks; without effect if the connection is lost.
     pub fn free(&mut self, matrix: i64) {
         let watch = InterruptWatch::default();
         if self.stream.is_some() && self.put_head(head(Command::Free, &[matrix]), &watch).is_ok() {
@@ -249,7 +250,7 @@ impl Ranks {
         }
     }
 
-    /// Ends the ranks: waits for those that are connected, and kills them if they compute for too long.
+    /// Ends the ranks of the distributed solver: waits for connected ones, and kills those that compute for too long.
     fn end(&mut self) {
         let watch = InterruptWatch::default();
         if self.stream.is_some() && self.put_head(head(Command::Finish, &[]), &watch).is_ok() {
@@ -260,7 +261,7 @@ impl Ranks {
         while begun.elapsed() < END && matches!(self.child.try_wait(), Ok(None)) {
             std::thread::sleep(LOOK / 5);
         }
-        // Both fail only for a process that has ended.
+        // Both calls fail only if the process has already ended.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }

@@ -8,13 +8,13 @@ pub(super) struct Entry {
     /// Row and column.
     pub row: usize,
     pub column: usize,
-    /// Position among the values; `None` for couplings that the pattern lacks.
+    /// Position of the entry among the values; `None` for couplings that the pattern lacks.
     pub place: Option<usize>,
     /// Vertices of row and column.
     pub vertices: [usize; 2],
 }
 
-/// Visits the entries of a pattern, column by column; of a symmetric matrix its lower triangle.
+/// Visits the entries of a pattern, column by column; for a symmetric matrix the lower triangle only.
 ///
 /// # Errors
 /// The first error of `visit`.

@@ -22,7 +22,7 @@ const LAUNCHER: &str = "mpirun --oversubscribe --bind-to none";
 const VARIABLES: [(&str, &str); 3] =
     [("OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE"), ("PMI_RANK", "PMI_SIZE"), ("PMIX_RANK", "SLURM_STEP_NUM_TASKS")];
 
-/// Place of a process in an MPI job.
+/// Rank of a process in an MPI job, and number of ranks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MpiProcess {
     /// Number of this process, from 0.
@@ -32,7 +32,7 @@ pub struct MpiProcess {
 }
 
 impl MpiProcess {
-    /// Place of this process; `None` if it was not started by an MPI launcher.
+    /// Rank of this process; `None` if it was not started by an MPI launcher.
     pub fn this() -> Option<Self> {
         Self::among(&|name| std::env::var(name).ok())
     }

@@ -26,7 +26,7 @@ use super::work::Work;
 use crate::math::tolerances;
 use crate::math::workers::Workers;
 
-/// Couplings of the structure, relative to those of a matrix, above which couplings that became zero are dropped.
+/// Ratio of stored couplings to those of a matrix above which couplings that became zero are dropped.
 const WORTH_KEEPING: f64 = 1.2;
 
 /// Statuses of MUMPS for lack of memory: of integers and of real numbers.
@@ -38,9 +38,9 @@ pub(super) struct Distributed {
     /// Number of the matrix on the ranks.
     matrix: i64,
     pattern: Pattern,
-    /// Couplings of the structure on the ranks, and the pattern restricted to them; `None` before the first matrix.
+    /// Couplings for which the ranks store values, and the pattern restricted to these; `None` before the first matrix.
     kept: Option<(Couplings, Pattern)>,
-    /// True if the ranks have the structure in `kept`.
+    /// True if the ranks have received the structure `kept`.
     is_sent: bool,
     /// True if the ranks have the lower triangle of a symmetric matrix.
     is_symmetric: bool,
@@ -99,7 +99,7 @@ impl Distributed {
         self.kept = Some((chosen, restricted));
     }
 
-    /// Hands a matrix out to the ranks, which factorize it; returns the status and the number of null pivots.
+    /// Sends a matrix to the ranks, which factorize it; returns the status of MUMPS and the number of null pivots.
     fn hand_out(&mut self, values: &[f64]) -> Result<(i64, i64), LinearError> {
         let Some((_, pattern)) = &self.kept else { return Ok((0, 0)) };
         let (is_symmetric, matrix, watch) = (self.is_symmetric, self.matrix, &self.watch);

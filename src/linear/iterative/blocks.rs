@@ -20,7 +20,7 @@ pub(super) struct BlockMatrix<const R: usize, const C: usize> {
     pub starts: Vec<usize>,
     /// Block column of every block, ascending within a row.
     pub columns: Vec<u32>,
-    /// The blocks.
+    /// Dense blocks, row by row in the order of `columns`.
     pub blocks: Vec<Block<R, C>>,
 }
 

@@ -93,7 +93,7 @@ impl Border {
     }
 }
 
-/// Decoupled vertex: its row contains its own unknowns only, so that it is solved beforehand.
+/// Decoupled vertex: its row contains its own unknowns only, so that they are solved before the iteration.
 pub(super) struct Alone {
     first: usize,
     inverse: DMatrix<f64>,

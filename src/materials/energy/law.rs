@@ -106,7 +106,7 @@ impl<const N: usize> Kernel for Run<'_, N> {
     }
 }
 
-/// Computes the variables of a block of strains into registers.
+/// Writes the variables of the energy (such as invariants) for a block of strains to the registers of its tape.
 struct Load<'a, const S: usize, const N: usize> {
     law: &'a EnergyLaw<S>,
     strains: &'a [Components<S>; N],
@@ -114,7 +114,7 @@ struct Load<'a, const S: usize, const N: usize> {
     spectra: &'a mut [Spectrum<false>],
 }
 
-/// Computes the changes of the variables of a block from strains with known variables, into registers.
+/// Writes the changes of the energy's variables between two blocks of strains to the registers of its tape.
 struct LoadChanges<'a, const S: usize, const N: usize> {
     law: &'a EnergyLaw<S>,
     from: &'a [Components<S>; N],

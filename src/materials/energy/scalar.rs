@@ -29,7 +29,7 @@ const FUNCTIONS: &[(&str, usize)] = &[
 /// A value with its first and second derivative.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Jet {
-    /// The value.
+    /// Value of the function.
     pub value: f64,
     /// Derivative with respect to the variable.
     pub slope: f64,

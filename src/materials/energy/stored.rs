@@ -28,7 +28,7 @@ impl EnergyText {
         Ok(EnergyText { text: text.into(), expression: parse(text)? })
     }
 
-    /// The text.
+    /// Source text of the energy, as written by the user.
     pub fn text(&self) -> &str {
         &self.text
     }

@@ -19,7 +19,7 @@ pub(super) const fn variables<const S: usize>(back_stresses: usize) -> usize {
 /// History variables of a quadrature point in eight elements.
 #[derive(Clone, Copy)]
 pub(super) struct PlasticPoint<const FMA: bool, const S: usize> {
-    /// `P - I`, `P = F_p^-1`.
+    /// `P - I` with the inverse plastic deformation gradient `P = F_p^-1`.
     pub(super) frame: Matrix<FMA>,
     /// Equivalent plastic strain.
     pub(super) alpha: Lanes<FMA>,

@@ -54,7 +54,7 @@ impl Mesh {
         text
     }
 
-    /// Nodes and facets of the boundaries as blocks; the number of a boundary is that of its entity of points or facets.
+    /// Nodes and facets of the boundaries as blocks of elements; a block has the entity number of its boundary.
     fn boundary_blocks(&self) -> Vec<Block> {
         let mut blocks = Vec::new();
         for (boundary, entity) in self.boundaries.iter().zip(1..) {

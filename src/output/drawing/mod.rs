@@ -1,4 +1,5 @@
-//! Drawings: shapes and text in pixels, written as SVG or PNG. Plots and pictures are made of them, so both formats show the same.
+//! Drawings: shapes and text in pixels, written as SVG or PNG. Plots and pictures consist of drawings, so that both formats show equal
+//! content.
 
 mod font;
 mod png;

@@ -133,7 +133,7 @@ impl<'a> Layout<'a> {
         let (low, high) = (own.low, own.high());
         let is_within = |point: &Point, reach: f64| (0..2).all(|d| (low[d] - reach..=high[d] + reach).contains(&point[d]));
         let is_near = |point: &Point| is_within(point, reach);
-        // Positions near the bodies represent a half plane, not its far ends.
+        // A half plane contributes its points near the bodies to the visible region, not its far ends.
         let landmarks = |wall: &Wall| wall.landmarks(low, high).into_iter().filter(is_near).collect::<Vec<_>>();
         points.extend(walls.iter().filter(|wall| wall.border.len() > 2).flat_map(landmarks));
         for wall in walls.iter().filter(|wall| wall.border.len() <= 2) {

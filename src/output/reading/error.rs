@@ -10,7 +10,7 @@ use crate::machine::files;
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("\"{}\" {what}", path.display())]
 pub struct ReadError {
-    /// The file.
+    /// Path of the file that cannot be read.
     pub path: PathBuf,
     /// Description of the fault, appended to the file name: `cannot be read`, `is damaged in line 3`.
     pub what: String,

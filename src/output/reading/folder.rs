@@ -13,7 +13,7 @@ const DEPTH: usize = 32;
 /// Folder of a simulation: that of the run for the first one, a folder below it for each further one.
 #[derive(Clone, Debug)]
 pub struct RunFolder {
-    /// The folder.
+    /// Path of the folder.
     pub path: PathBuf,
     /// Content of `summary.json`; `None` if the run was killed or is still running.
     pub summary: Option<Value>,

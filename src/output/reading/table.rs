@@ -11,7 +11,7 @@ use super::error::{ReadError, bytes_of};
 /// Table read from a file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TableRead {
-    /// The columns.
+    /// Columns read from the file.
     pub table: Table,
     /// True if an incomplete last line was left out.
     pub is_cut: bool,

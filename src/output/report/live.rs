@@ -34,7 +34,7 @@ pub struct LiveModel {
     pub bodies: Vec<BodyDefinition>,
     /// Recorded nodes of each body.
     pub skins: Vec<Skin>,
-    /// Content of the stills.
+    /// Content of the stills (recorded animation frames).
     pub shown: StillOptions,
     /// The different shapes of rigid obstacles.
     pub obstacles: Vec<PlacedObstacle>,
@@ -81,7 +81,7 @@ pub struct FollowedSimulation {
     pub model: Arc<LiveModel>,
     /// Names of the history's columns.
     pub columns: Arc<Vec<String>>,
-    /// Revision number of the last change to the model or its columns.
+    /// Number of the change that last replaced the model or added columns.
     pub shaped: u64,
     /// Problem, and the revision number of its last change.
     pub problem: (u64, Arc<LiveProblem>),
@@ -91,7 +91,7 @@ pub struct FollowedSimulation {
     pub row_count: usize,
     /// Length of the intervals of which only the last row and the peaks are kept.
     stretch: usize,
-    /// The stills.
+    /// Stills (recorded animation frames) of the simulation.
     pub stills: TrackedEntries<Arc<Still>>,
     /// Findings of the run, and the number of the change that last updated them.
     pub findings: (u64, Vec<String>),
@@ -271,7 +271,7 @@ pub struct LiveSimulation {
     number: usize,
     /// Updates that could not be handed over yet, because a reader held the lock.
     waiting: Vec<Handed>,
-    /// Number of stills handed over, and the last one.
+    /// Number of stills (recorded animation frames) handed over, and the last one.
     stills: (usize, Option<Arc<Still>>),
     told: Option<(Instant, LiveProblem)>,
 }
@@ -313,7 +313,7 @@ impl LiveSimulation {
         self.hand(Handed::Columns(names.to_vec()));
     }
 
-    /// Updates the stills.
+    /// Updates the stills (recorded animation frames).
     pub fn stills(&mut self, stills: &[Arc<Still>]) {
         let is_known = match (&self.stills, stills.last()) {
             ((count, Some(known)), Some(last)) => *count == stills.len() && Arc::ptr_eq(known, last),

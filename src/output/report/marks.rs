@@ -36,7 +36,7 @@ pub enum MarkPlace {
     Nodes {
         /// Index of the body.
         body: usize,
-        /// Places of the nodes among the recorded nodes of the body; of a facet counterclockwise around its outward normal.
+        /// Places of the nodes among the recorded nodes of the body; those of a facet are counterclockwise around its outward normal.
         nodes: Vec<u32>,
         /// Weights of the nodes; their sum is 1.
         shares: Vec<f32>,

@@ -15,7 +15,7 @@ use crate::output::recording::Still;
 
 /// Answer to a reader's request for changes.
 pub struct ReportChanges {
-    /// The answer, JSON.
+    /// Answer to the browser, encoded as JSON.
     pub bytes: Arc<Vec<u8>>,
     /// True if the run has ended, so that no further changes follow.
     pub is_last: bool,

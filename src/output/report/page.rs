@@ -19,7 +19,7 @@ use crate::output::recording::{Skin, Still};
 use crate::output::still_fields::StillOptions;
 use crate::output::units::{ListedUnits, pretty};
 
-/// Size of groups of stills that are compressed together `[bytes]`.
+/// Size of groups of stills (recorded animation frames) that are compressed together `[bytes]`.
 const CHUNK: usize = 2 << 20;
 /// Half length of the line by which a half plane is drawn, relative to the extent of the bodies.
 const REACH: f64 = 50.0;
@@ -69,9 +69,9 @@ pub struct Report<'a> {
     pub bodies: &'a [BodyDefinition],
     /// Recorded nodes of each body.
     pub skins: &'a [Skin],
-    /// Content of the stills.
+    /// Content of the stills (recorded animation frames).
     pub shown: &'a StillOptions,
-    /// The stills, in the order of time.
+    /// Stills (recorded animation frames) in the order of time.
     pub stills: &'a [&'a Still],
     /// The different shapes of rigid obstacles.
     pub obstacles: Vec<PlacedObstacle>,
@@ -86,7 +86,7 @@ pub struct Report<'a> {
 pub struct ReportPicture {
     /// Path below the folder of the run.
     pub path: String,
-    /// Content of the file; `None` of a file that is named only, because it is too large or missing.
+    /// Content of the file; `None` if the page names the file only, because it is too large or missing.
     pub bytes: Option<Vec<u8>>,
 }
 
@@ -133,7 +133,7 @@ pub fn bytes_of(numbers: impl Iterator<Item = f64>) -> Vec<u8> {
     numbers.flat_map(f64::to_le_bytes).collect()
 }
 
-/// Divides the stills into groups of about equal size.
+/// Divides the stills (recorded animation frames) into groups of about equal size.
 fn chunks<'a>(stills: &'a [&'a Still]) -> Vec<&'a [&'a Still]> {
     let size = stills.iter().map(|still| still.bytes().len()).max().unwrap_or(0).max(1);
     stills.chunks((CHUNK / size).max(1)).collect()
@@ -210,7 +210,7 @@ pub fn fields(skins: &[Skin], stills: &[&Still], shown: &StillOptions) -> Vec<Va
     };
     let basic = Field::BASIC.iter().enumerate().filter(|(_, name)| is_known(name));
     let basic = basic.filter_map(|(index, name)| Some((Field::from_name(name)?, Some(index))));
-    // The page computes these from what is recorded, and their ranges when they are shown.
+    // The browser computes derived fields from recorded ones, and the ranges of these fields when they are shown.
     let is_offered = |field: &Field| {
         let is_named = shown.fields.contains(field) || DERIVED.contains(&field.name());
         is_named || field.further().is_some() && shown.keeps(*field) && !field.is_local()
@@ -226,7 +226,7 @@ pub fn fields(skins: &[Skin], stills: &[&Still], shown: &StillOptions) -> Vec<Va
     basic.chain(further).map(described).collect()
 }
 
-/// Returns the largest contact pressure vector in all stills.
+/// Returns the length of the longest contact pressure vector in all stills (recorded animation frames).
 pub fn pressing(stills: &[&Still]) -> f64 {
     stills.iter().map(|still| still.pressing).fold(0.0, f64::max)
 }

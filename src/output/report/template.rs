@@ -19,7 +19,7 @@ pub struct TemplateParts<'a> {
     pub blobs: &'a [(String, String)],
 }
 
-/// Fills the template of a page with this body.
+/// Fills the template of a page with the body `body`.
 pub fn fill(body: &str, filling: &TemplateParts) -> Vec<u8> {
     let mut page = String::with_capacity(1 << 20);
     let template = [HEAD, body].concat();

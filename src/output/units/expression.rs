@@ -12,7 +12,7 @@ pub enum UnitError {
     Unknown(String),
     /// A text that is no product or quotient of unit names (operators `*`, `/`, `^`, parentheses).
     Malformed {
-        /// The expression.
+        /// Refused unit expression.
         text: String,
         /// Expected continuation in words.
         expected: &'static str,

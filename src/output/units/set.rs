@@ -33,9 +33,9 @@ pub struct UnitSet {
 pub enum UnitSetError {
     /// A name that is no unit.
     Unit {
-        /// Index of the name.
+        /// Index of the refused name among the declared units.
         index: usize,
-        /// Reason.
+        /// Reason why the name is no unit.
         error: UnitError,
     },
     /// Two units of one dimension, such as `mm` and `m`.
@@ -143,7 +143,7 @@ impl UnitSet {
         self.scale(unit.dimension).times(unit.scale, -1).of(value)
     }
 
-    /// Unit of a dimension in words, such as `mass/volume`: `t/mm^3`; empty of pure numbers and of words that are no dimension.
+    /// Unit of a dimension in words, such as `mass/volume`: `t/mm^3`; empty for pure numbers and for texts that are no dimension.
     pub fn unit(&self, dimension: &str) -> String {
         if dimension == "rad" {
             return dimension.into();
@@ -256,12 +256,12 @@ pub fn pretty(unit: &str) -> String {
 pub struct ModelUnits {
     /// The set of units.
     pub set: UnitSet,
-    /// True of plane models that are not axisymmetric: forces, energies and masses are those of a unit thickness.
+    /// True for plane models that are not axisymmetric: forces, energies and masses are those of a unit thickness.
     pub is_per_thickness: bool,
 }
 
 impl ModelUnits {
-    /// Unit of a column or field with a dimension, such as `N/mm` of a force in the plane; empty of pure numbers.
+    /// Unit of a column or field with a dimension, such as `N/mm` of a force in the plane; empty for pure numbers.
     pub fn unit(&self, dimension: &str) -> String {
         if self.is_per_thickness && is_extensive(dimension) {
             self.set.unit(&format!("{dimension}/length"))
@@ -270,7 +270,7 @@ impl ModelUnits {
         }
     }
 
-    /// Unit in brackets with a space before, for labels; empty of pure numbers.
+    /// Unit in brackets with a space before, for labels; empty for pure numbers.
     pub fn bracketed(&self, dimension: &str) -> String {
         let unit = self.unit(dimension);
         if unit.is_empty() { unit } else { format!(" [{}]", pretty(&unit)) }

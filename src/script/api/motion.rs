@@ -31,7 +31,7 @@ pub struct Motion {
     pub units: Units,
 }
 
-/// A sum of multiples of other time functions, in other units of time.
+/// Linear combination of other time functions, in other units of time.
 struct Combined {
     terms: Vec<(f64, Amplitude)>,
     time: f64,
@@ -346,7 +346,7 @@ impl Motion {
         turned.rescaled(|dimension| Dimension::parse(dimension).map(|dimension| self.units.factor(dimension)))
     }
 
-    /// Row of the ledger with times in the units of the script.
+    /// Row of the ledger with its times converted to the units of the script.
     pub fn on_script_clock(&self, row: LedgerRow) -> LedgerRow {
         LedgerRow { time: row.time / self.units.time, dt: row.dt / self.units.time, ..row }
     }

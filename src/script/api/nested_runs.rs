@@ -12,7 +12,7 @@ struct Study {
     motion: Option<Motion>,
 }
 
-/// Settings of the present check or study.
+/// Settings of the check or study in progress.
 #[derive(Default)]
 struct Current(Cell<Option<Study>>);
 

@@ -63,7 +63,7 @@ impl Overrides {
         Ok(value)
     }
 
-    /// Records a parameter that was read here or by a worker, with its value.
+    /// Records a parameter that this session or a worker session has read, with its value.
     pub fn note(&self, name: &str, value: Dynamic) {
         self.given.borrow_mut().iter_mut().filter(|given| given.name == name).for_each(|given| given.used = true);
         let mut asked = self.asked.borrow_mut();
@@ -78,7 +78,7 @@ impl Overrides {
         self.asked.borrow().clone()
     }
 
-    /// Names of given values that the script has not read.
+    /// Names of values given by `--set` that the script has not read.
     pub fn unused(&self) -> Vec<String> {
         self.given.borrow().iter().filter(|given| !given.used).map(|given| given.name.clone()).collect()
     }
@@ -87,7 +87,7 @@ impl Overrides {
         self.given.borrow().iter().find(|given| given.name == name).map_or(String::new(), |given| given.text.clone())
     }
 
-    /// Returns the failure of a name whose `param`, at `place`, was not reached.
+    /// Returns the failure of a name whose `param` call, at `place`, was not executed.
     pub fn unreached(&self, name: &str, place: Option<SourceSpan>) -> Failure {
         let failure = Failure::script(format!("`--set {name}={}`: the run ended before the script asked for `{name}`", self.text(name)))
             .code(causes::SETTING);

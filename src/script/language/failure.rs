@@ -117,7 +117,7 @@ impl Failure {
         }))
     }
 
-    /// The script is wrong.
+    /// Failure of the class `Script`: the script, a file that it reads, or an argument is wrong.
     pub fn script(title: impl Into<String>) -> Self {
         Failure::new(Class::Script, title)
     }

@@ -160,7 +160,7 @@ impl<'a> Call<'a> {
         self.values[0].clone().cast::<T>()
     }
 
-    /// The engine.
+    /// Engine that executes the call.
     pub fn engine(&self) -> &Engine {
         self.context.engine()
     }

@@ -160,7 +160,7 @@ impl Host {
         consulted(&self.settings.interrupt, work, answer).ok_or_else(|| interrupted("interrupted"))
     }
 
-    /// Returns the place of a position and a target. An empty source is the main one.
+    /// Returns the text range at a position of a source, for the part `target` of a call; an empty source name is the main script.
     pub fn place(&self, engine: &Engine, source: &str, position: Position, target: &Target, method: bool) -> Option<SourceSpan> {
         let source = if source.is_empty() { self.main.borrow().clone() } else { source.to_string() };
         let text = self.sources.text(&source)?;

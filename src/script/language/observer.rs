@@ -59,7 +59,7 @@ pub enum Event<'a> {
         change: ContactChange,
         /// Number of active nodes.
         active: usize,
-        /// The accepted step.
+        /// Accepted step in which the contact closed or opened.
         step: usize,
         /// Time of the step.
         time: f64,

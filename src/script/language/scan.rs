@@ -15,9 +15,9 @@ use super::sources::Offsets;
 /// A token and its range of bytes.
 #[derive(Clone, Debug)]
 pub struct Lexeme {
-    /// The token.
+    /// Token of the language.
     pub token: Token,
-    /// Range of bytes.
+    /// Byte range of the token in the text.
     pub range: Range<usize>,
 }
 
@@ -33,7 +33,7 @@ pub enum Target {
     Key {
         /// Number of the argument that is the map.
         argument: usize,
-        /// The key.
+        /// Name of the key.
         key: String,
         /// True for the value of the key, false for the key itself.
         value: bool,

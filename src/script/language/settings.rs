@@ -56,7 +56,7 @@ pub struct Settings {
     pub checkpoints: Checkpoints,
     /// Time at which simulations stop, as if interrupted.
     pub until: Option<f64>,
-    /// Report for readers who follow the run.
+    /// Live report of the run, for browsers that follow it.
     pub live: Option<Arc<LiveReport>>,
     /// True at a prompt, where the user can enter further statements.
     pub interactive: bool,

@@ -67,7 +67,7 @@ impl Sources {
         self.texts.borrow().iter().map(|(name, text)| (name.clone(), text.clone())).collect()
     }
 
-    /// Number of texts.
+    /// Number of stored source texts.
     pub fn count(&self) -> usize {
         self.texts.borrow().len()
     }

@@ -20,13 +20,13 @@ use super::sources::Sources;
 /// A compiled text whose functions a session has.
 #[derive(Clone, Debug)]
 pub struct Unit {
-    /// The text.
+    /// Source text that was compiled.
     pub text: String,
     /// Variables in scope when the text was compiled.
     pub names: Vec<String>,
 }
 
-/// The texts of the running script; of a prompt all entries, the later ones behind the earlier.
+/// Texts of the running script; at a prompt the texts of all entries, earlier ones first.
 #[derive(Default)]
 pub struct Program(pub std::cell::RefCell<Vec<Unit>>);
 

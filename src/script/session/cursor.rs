@@ -38,7 +38,7 @@ pub enum TextTokenKind {
 pub struct TextToken {
     /// Kind of the token.
     pub kind: TextTokenKind,
-    /// Range of bytes.
+    /// Byte range of the token in the text.
     pub range: Range<usize>,
 }
 
@@ -200,7 +200,7 @@ pub struct Level {
 
 /// The text in front of a cursor.
 pub struct Cursor<'a> {
-    /// The text.
+    /// Text in front of the cursor.
     pub text: &'a str,
     /// Tokens without comments.
     pub pieces: Vec<TextToken>,

@@ -25,7 +25,7 @@ pub enum Role {
 /// Declaration of a name.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Declaration {
-    /// The name.
+    /// Declared name.
     pub name: String,
     /// Kind of the name.
     pub role: Role,
@@ -53,7 +53,7 @@ pub struct Declarations {
 }
 
 impl Declarations {
-    /// Reads a text.
+    /// Finds the declarations of a script text and the uses of each.
     pub fn of(text: &str) -> Self {
         let mut pieces = pieces_with_interpolations(text);
         pieces.retain(|piece| !matches!(piece.kind, TextTokenKind::Comment { .. }));

@@ -73,7 +73,7 @@ pub struct Explained {
 /// A call around a place.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Signature {
-    /// The signature.
+    /// Signature of the called function.
     pub label: String,
     /// Names of the parameters.
     pub parameters: Vec<String>,
@@ -129,7 +129,7 @@ impl Document {
         })
     }
 
-    /// The text.
+    /// Text of the open script.
     pub fn text(&self) -> &str {
         &self.text
     }
@@ -467,7 +467,7 @@ impl Document {
         all.map(|of| (of.name.as_str(), of.role, of.range.clone())).collect()
     }
 
-    /// The text, indented.
+    /// Text of the script with corrected indentation.
     pub fn formatted(&self) -> String {
         formatted(&self.text)
     }

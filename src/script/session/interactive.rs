@@ -208,7 +208,7 @@ impl Interactive {
         Ok(())
     }
 
-    /// Adds the remaining changes to an error of an entry.
+    /// Adds to the error of an entry which of its changes remain in effect.
     fn told_what_stays(&self, error: Diagnostic) -> Diagnostic {
         let Some(earlier) = self.earlier.last() else { return error };
         let all: Vec<&str> = self.session.scope.iter_raw().map(|(name, ..)| name).collect();

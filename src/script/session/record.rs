@@ -41,7 +41,7 @@ pub struct Record {
 }
 
 impl Record {
-    /// Number of entries.
+    /// Number of recorded entries.
     pub fn len(&self) -> usize {
         self.entries.len()
     }

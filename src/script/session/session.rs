@@ -108,7 +108,7 @@ pub struct Session {
     pub(super) scope: Scope<'static>,
     pub(super) host: Rc<Host>,
     begun: Instant,
-    /// Waiting time of the prompt for entries, which is not counted.
+    /// Time spent waiting for entries at the prompt, which is excluded from the run time.
     pub(super) idle: Duration,
 }
 

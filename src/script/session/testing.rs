@@ -84,7 +84,7 @@ impl TestCase {
         TestOutcome { error, output: capture.lines(), time: begun.elapsed() }
     }
 
-    /// Compares with the marks beside the lines.
+    /// Compares the outcome of a test with the messages that its script expects (`//~` marks).
     fn judge(&self, error: Option<Diagnostic>, capture: &Capture) -> Option<Diagnostic> {
         let (expected, other): (Vec<&Mark>, Vec<&Mark>) = self.marks.iter().partition(|mark| mark.kind == MarkKind::Error);
         let error = match (expected.as_slice(), error) {

@@ -7,7 +7,7 @@ use crate::output::{Field, KEYS};
 /// A word of the language that is no function: the value of an option, or the name of a column.
 #[derive(Clone, Debug)]
 pub struct Word {
-    /// The word.
+    /// The word as written in a script.
     pub name: &'static str,
     /// Catalogue of the word, such as `update rule of a contact pair`.
     pub group: &'static str,

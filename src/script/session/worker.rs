@@ -55,7 +55,7 @@ pub fn start_worker(blueprint: &Blueprint) -> Option<Box<dyn ClosureCaller>> {
     host.attach(&engine);
     host.sources.take(&blueprint.sources);
     host.main.borrow_mut().clone_from(&blueprint.main);
-    // Imported modules may have quantities.
+    // Units are set before modules are imported, because these may contain quantities with units.
     host.slots.set(Rc::new(DeclaredUnits::of_names(&blueprint.units)));
     let context = context(&host, &engine.borrow(), blueprint)?;
     Some(Box::new(Worker { engine, host, program: blueprint.program.clone(), units: blueprint.units.clone(), notes, context, aside: None }))

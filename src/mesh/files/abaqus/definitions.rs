@@ -13,7 +13,7 @@ pub struct DeckProperty {
     pub numbers: Vec<f64>,
 }
 
-/// A material.
+/// Material of an Abaqus or CalculiX input file (deck).
 #[derive(Clone, Debug, PartialEq)]
 pub struct DeckMaterial {
     /// Name of the material as the deck writes it.

@@ -10,7 +10,7 @@ use crate::mesh::file_error::FilePosition;
 #[derive(Clone)]
 pub(super) enum Member {
     Number(u64),
-    /// First, last, step.
+    /// Range of numbers: first, last, increment.
     Range([u64; 3]),
     /// Another set in lower case, or a number after the name of an instance.
     Name(String),

@@ -25,7 +25,7 @@ pub(super) enum ElementType {
     Structural,
 }
 
-/// Families with the dimension of their elements; of names with a common prefix the longer one first.
+/// Element families with their dimension; if names have a common prefix, the longer one comes first.
 const FAMILIES: &[(&str, usize, Family)] = &[
     ("CPEG", 2, Family::Cell),
     ("CPE", 2, Family::Cell),

@@ -264,7 +264,7 @@ impl<'a> Entry<'_, 'a> {
         }
     }
 
-    /// A number with a fraction.
+    /// Returns the next field as a real number; `expected` describes it for messages.
     pub fn real(&mut self, expected: &'static str) -> Result<f64, MeshError> {
         match self.source.encoding {
             Encoding::Text => self.word(expected),

@@ -16,7 +16,7 @@ pub fn passed(call: &Call, line: &str) -> Result<Dynamic, Box<EvalAltResult>> {
     Ok(Dynamic::UNIT)
 }
 
-/// Lists the check instead of evaluating it in `conserva check`; returns true if so.
+/// In `conserva check`, lists the check instead of evaluating it, and returns true.
 pub fn only_listed(call: &Call, line: &str) -> bool {
     if call.host.is_check() {
         let place = call.place(&Target::Call).map(|place| format!("{place}: ")).unwrap_or_default();

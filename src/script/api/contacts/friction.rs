@@ -173,7 +173,7 @@ fn friction_curve() -> Function {
     }
 }
 
-/// Samples a closure of the slip speed at many speeds.
+/// Samples a closure of the slip speed at many speeds, as a piecewise linear law.
 fn sampled(argument: &Argument, closure: &Callback) -> Result<Vec<(f64, f64)>, Box<EvalAltResult>> {
     let powers = (DECADES[0] * SPEEDS..=DECADES[1] * SPEEDS).map(|k| 10f64.powf(f64::from(k) / f64::from(SPEEDS)));
     let coefficient = |speed: f64| {
@@ -238,7 +238,7 @@ pub fn friction_of(options: &Options) -> Result<Option<Friction>, Failure> {
     coefficient_of(&argument).map(plain).map(Some)
 }
 
-/// Returns Coulomb's law with a coefficient.
+/// Returns Coulomb's law with a constant friction coefficient.
 fn plain(coefficient: Coefficient) -> Friction {
     Friction { law: Arc::new(Coulomb::default()), coefficient }
 }

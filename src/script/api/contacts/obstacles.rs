@@ -31,7 +31,7 @@ impl Handle for ObstacleHandle {
     }
 }
 
-/// Shapes of obstacles, which differ in their motions.
+/// Kinds of obstacle shapes, which determine the options for their motion.
 #[derive(Clone, Copy, PartialEq)]
 pub enum Moves {
     /// A half plane, in space a plane.
@@ -53,7 +53,7 @@ impl Moves {
         matches!(self, Moves::AboutAxis | Moves::Box | Moves::Surface)
     }
 
-    /// Meanings of an angle, of a missing point and of a missing axis.
+    /// Meanings of an angle, of a missing point and of a missing axis for a kind of shape, for the reference.
     fn rotation(self) -> [&'static str; 3] {
         match self {
             Moves::Plane => [
@@ -160,7 +160,7 @@ fn own_axis(moves: Moves, obstacle: &Obstacle) -> Option<[[f64; 3]; 2]> {
     }
 }
 
-/// Alternatives in the plane and in space, for messages.
+/// Obstacle functions that correspond to each other in the plane and in space, for messages.
 const IN_PLANE: &[&str] = &["add_contact", "rigid_plane", "rigid_disk", "rigid_ring", "rigid_polyline"];
 const IN_SPACE: &[&str] =
     &["add_contact", "rigid_plane", "rigid_sphere", "rigid_cylinder", "rigid_cone", "rigid_torus", "rigid_box", "rigid_surface"];

@@ -13,7 +13,7 @@ use crate::script::api::nested_runs::is_study;
 use crate::script::language::host::Host;
 use crate::script::language::settings::Mode;
 
-/// The output folder of a session.
+/// Output folder of a session.
 #[derive(Default)]
 pub struct RunFolder {
     files: RefCell<Option<RunFiles>>,
@@ -91,7 +91,7 @@ impl RunFolder {
         output_folder(host).filter(|_| self.is_begun()).map_or(Ok(()), |folder| checkpoint::remove_all(folder))
     }
 
-    /// Completes the record of the files, when all are written, and leaves the folder to others.
+    /// Completes the list of files when all are written, and releases the folder for other processes.
     ///
     /// # Errors
     /// The operating system refused.

@@ -8,12 +8,12 @@ use crate::script::language::host::Host;
 /// Number of lines that are kept from the start of a run, and from its end.
 const LINES: [usize; 2] = [100, 400];
 
-/// Lines that a script printed; of many the first and the last ones.
+/// Lines that a script printed; if there are many, the first and the last ones.
 #[derive(Default)]
 pub struct Printed(RefCell<(Vec<String>, VecDeque<String>, usize)>);
 
 impl Printed {
-    /// Shows a text of one or more lines, and adds it.
+    /// Prints a text of one or more lines, and stores it for the report.
     pub fn show(host: &Host, text: &str) {
         host.observer.print(text);
         let printed = host.slots.get::<Printed>();
@@ -40,7 +40,7 @@ impl Printed {
     }
 }
 
-/// Pictures and movies that a script drew: simulation in whose folder a file is (`None`: folder of the run), and its path there.
+/// Pictures and movies that a script drew: simulation in whose folder the file is (`None`: folder of the run), and path in that folder.
 #[derive(Default)]
 pub struct Pictures(RefCell<Vec<(Option<String>, String)>>);
 

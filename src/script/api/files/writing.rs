@@ -21,7 +21,7 @@ pub trait Destination {
     fn put(&self, path: &str, bytes: &[u8]) -> Option<Result<(), OutputError>>;
 }
 
-/// Bytes of the file that the next call would write, for a program that shows the file in place of writing it.
+/// Bytes of the file that the next call would write, for a caller that shows the file instead of writing it.
 #[derive(Default)]
 pub struct RequestedFile {
     is_asked: Cell<bool>,
@@ -40,7 +40,7 @@ impl RequestedFile {
         self.bytes.take()
     }
 
-    /// Buffer for the bytes of the file of a call, if requested.
+    /// Buffer for the bytes of the file that a call makes, if requested.
     pub fn of(call: &Call) -> Option<Rc<RequestedFile>> {
         let wanted: Rc<RequestedFile> = call.host.slots.get();
         wanted.is_asked.get().then_some(wanted)
@@ -107,7 +107,7 @@ pub fn checked_path(call: &Call, endings: &[&str]) -> Result<String, Failure> {
     })
 }
 
-/// Writes a file at `path`, which may differ from the path in the call; a failure points at the latter.
+/// Writes a file at `path`, which may differ from the path in the call; error messages show the path in the call.
 pub fn write_at(call: &Call, into: Option<&dyn Destination>, path: &str, bytes: &[u8]) -> Result<(), Failure> {
     let written = match into {
         Some(destination) => destination.put(path, bytes),

@@ -98,7 +98,7 @@ fn unreached(call: &Call, material: &Material, stretch: f64, last: f64) -> Failu
     failure.hint("choose a stretch nearer to 1; `material.check()` tells where the law fails")
 }
 
-/// Returns stretches from 1 to `stretch`, inclusive, in steps of a few percent, at least `points`.
+/// Returns stretches from 1 to `stretch`, both included, in steps of a few percent, at least `points` values.
 fn way(stretch: f64, points: usize) -> Vec<f64> {
     let steps = ((stretch.ln().abs() / 0.05).ceil() as usize).clamp(points, 1000);
     (1..=steps).map(|k| if k == steps { stretch } else { (stretch.ln() * k as f64 / steps as f64).exp() }).collect()

@@ -70,7 +70,7 @@ fn text_of(argument: &Argument) -> Result<EnergyText, Failure> {
     EnergyText::parse(&argument.text()?).map_err(|error| refused(argument, &error))
 }
 
-/// Returns the failure of an energy with a mistake; it points into the text if that is a literal of the script.
+/// Returns the failure of an energy with an error; the message points into the text if that is a literal of the script.
 pub fn refused(argument: &Argument, error: &EnergyError) -> Failure {
     let failure = argument.fail(error.title.clone()).code(error.code()).label(error.label.clone());
     let place = argument.call().place(&argument.target()).and_then(|place| inside(place, error));
@@ -86,7 +86,7 @@ pub fn refused(argument: &Argument, error: &EnergyError) -> Failure {
     if error.hint.is_empty() { failure } else { failure.hint(error.hint.clone()) }
 }
 
-/// Place of an error inside a string literal of the script; `None` unless the literal contains the text verbatim.
+/// Position of an error inside a string literal of the script; `None` unless the literal contains the text verbatim.
 fn inside(place: SourceSpan, error: &EnergyError) -> Option<SourceSpan> {
     let literal = place.text.get(place.range.clone())?;
     let held = literal.get(1..literal.len().checked_sub(1)?)?;

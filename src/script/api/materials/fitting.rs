@@ -102,7 +102,7 @@ struct Law {
     form: Source,
 }
 
-/// Source of the law's energy.
+/// Origin of the stored energy of the law: catalogue or text.
 enum Source {
     Row(&'static crate::materials::MaterialRow),
     Text(EnergyText),

@@ -94,7 +94,7 @@ pub fn mesh_value(call: &Call, made: Result<Mesh, MeshError>) -> Result<Dynamic,
     made.map(|mesh| Dynamic::from(MeshHandle::new(mesh))).map_err(|error| mesh_failure(call, &error).into())
 }
 
-/// Makes a mesh, which may take long; on an interrupt, the work is abandoned.
+/// Makes a mesh on a thread that is watched for interrupts; after an interrupt, the work is abandoned.
 pub fn made(call: &Call, make: impl FnOnce() -> Result<Mesh, MeshError> + Send + 'static) -> Result<Dynamic, Box<EvalAltResult>> {
     mesh_value(call, call.host.watched(make)?)
 }

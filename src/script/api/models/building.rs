@@ -108,7 +108,7 @@ pub(super) fn refuse_or_warn_of_surface(call: &Call, mesh: &Mesh) -> Result<(), 
 /// Names of [`Plane`] in scripts, the default first.
 const PLANES: [&str; 3] = ["strain", "stress", "axisymmetric"];
 
-/// Words for [`Dilatation`].
+/// Names of [`Dilatation`] in scripts.
 const DILATATIONS: [&str; 3] = ["pointwise", "mean", "linear"];
 
 fn formulation_keys() -> Vec<Parameter> {
@@ -259,7 +259,7 @@ pub fn initial_displacement() -> Function {
     }
 }
 
-/// `check`: faults and remarks that require no computation.
+/// `check`: errors and suspicious properties of a model that are found without a computation.
 pub fn check() -> Function {
     Function {
         name: "check",

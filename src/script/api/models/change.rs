@@ -46,11 +46,11 @@ pub fn change_without_bodies(call: &Call, handle: &ModelHandle, apply: impl FnOn
     change(call, handle, apply)
 }
 
-/// The models of which a script made simulations.
+/// Models of which a script made simulations.
 #[derive(Default)]
 struct Simulated(RefCell<Vec<ModelHandle>>);
 
-/// Records that a simulation was made of the current state of the model.
+/// Records that a simulation was made of the model as it is now.
 pub fn keep_model(host: &Host, model: &ModelHandle) {
     let mut data = model.0.borrow_mut();
     (data.is_simulated, data.unseen) = (true, None);

@@ -20,7 +20,7 @@ use crate::script::language::wording::did_you_mean;
 /// Name of the ground as an end.
 pub const GROUND: &str = "ground";
 
-/// The keys of two ends.
+/// Parameters for the two ends of a spring or damper.
 pub fn end_parameters() -> Vec<Parameter> {
     let end = |name, which: &'static str| Parameter::new(name, Kind::Either("a Body, a boundary of one, or \"ground\""), which);
     let point = |name| {
@@ -102,7 +102,7 @@ fn on_rigid(argument: &Argument, body: &BodyHandle) -> Result<Option<Vec<(u32, f
     Ok(Some(frame.masters.iter().copied().zip(frame.shares(point)).collect()))
 }
 
-/// The key of the constants of a text.
+/// Parameter `constants`: values of the named constants in a formula that is given as text.
 pub fn constants_parameter() -> Parameter {
     Parameter::new("constants", Kind::Either("an object map of numbers"), "values of the names in the text").or(Absent::Means("none"))
 }

@@ -83,7 +83,7 @@ fn grow_evenly(call: &Call, body: &BodyHandle, factor: f64) -> Result<(), Failur
     let definition = body.definition();
     let (mesh, model) = (definition.mesh.clone(), body.model.clone());
     let dimension = mesh.dimension();
-    // In axial symmetry the hoop direction is scaled, too; in the plane the thickness is not.
+    // In axial symmetry the hoop direction is scaled, too; in other plane models the thickness is not.
     let is_round = definition.formulation.plane == Plane::Axisymmetric;
     let mut center = [0.0; 3];
     mesh.points.iter().for_each(|x| (0..dimension).for_each(|i| center[i] += x[i] / mesh.points.len() as f64));

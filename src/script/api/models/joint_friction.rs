@@ -8,7 +8,7 @@ use crate::script::language::digits::number_text;
 use crate::script::language::failure::Failure;
 use crate::script::language::parameter::{Absent, Parameter};
 
-/// Keys of the friction of a joint.
+/// Parameters for the friction of a joint.
 pub fn friction_options() -> Vec<Parameter> {
     vec![
         Parameter::number(

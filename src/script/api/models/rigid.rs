@@ -21,7 +21,7 @@ use crate::script::api::time_functions::amplitude_of;
 use crate::script::language::digits::{brief, vector_text};
 use crate::script::language::prelude::*;
 
-/// Poisson's ratio of the material of a rigid body, of which only the density is used.
+/// Poisson's ratio of the material of a rigid body; it has no effect, because only the density is used.
 const ANY_RATIO: f64 = 0.3;
 
 /// Function `add_rigid_body` of scripts.
@@ -148,10 +148,10 @@ fn number_of(value: &Dynamic) -> Option<f64> {
     value.as_float().ok().or_else(|| value.as_int().ok().map(|whole| whole as f64)).filter(|number| number.is_finite())
 }
 
-/// Words for [`JointKind`].
+/// Names of [`JointKind`] in scripts.
 const KINDS: [&str; 7] = ["point", "hinge", "slider", "slot", "weld", "link", "cable"];
 
-/// The keys of a joint.
+/// Parameters of a joint.
 fn joint_options() -> Vec<Parameter> {
     let mut all = vec![
         Parameter::new(
@@ -319,7 +319,7 @@ fn refuse_weld_of_deformable(name: &str, kind: &Argument, model: &Model, ends: &
     ))
 }
 
-/// Moves an end to the nearest node if its body is deformable.
+/// Moves an end of a joint to the nearest node if its body is deformable.
 fn snap(argument: &Argument, model: &Model, end: &mut Anchor) -> Result<(), Failure> {
     let Some(index) = end.body.filter(|&body| model.bodies[body].rigid.is_none()) else { return Ok(()) };
     let (body, (node, distance), start) = (&model.bodies[index], model.nearest_node(index, end.point), model.start(index));

@@ -56,7 +56,7 @@ pub fn add_spring() -> Function {
     }
 }
 
-/// Keys of a spring's force law.
+/// Parameters of a spring's force law.
 fn law_parameters(of_stiffness: &'static str, stiffness: &'static str) -> [Parameter; 5] {
     let optional = |name, kind, what| Parameter::new(name, kind, what).or(Absent::Means("one of `stiffness`, `table`, `energy` is given"));
     [
@@ -109,7 +109,7 @@ pub fn add_torsion_spring() -> Function {
             let mut directions = vec![direction_of(&options, &model, "from", "from_points")?];
             let to = options.argument("to");
             if to.value().read_lock::<rhai::ImmutableString>().is_some_and(|word| *word == GROUND) {
-                // A spring to the ground has one direction, with positive sense of rotation.
+                // A spring to the ground has one direction, and its angle grows counter-clockwise.
                 directions.truncate(1);
             } else {
                 directions.push(direction_of(&options, &model, "to", "to_points")?);

@@ -20,7 +20,7 @@ use crate::script::language::digits::brief;
 use crate::script::language::failure::Failure;
 use crate::script::language::host::Host;
 
-/// Frames and stills that are kept of a run.
+/// Limits for the recorded frames and stills (animation frames) of a run.
 #[derive(Clone)]
 pub struct RecordingLimits {
     /// Time between two frames of the fields.
@@ -47,11 +47,11 @@ pub struct Artifacts {
     /// Frames of the secondary surfaces of contacts; `None` without contacts.
     contacts: Option<FieldSeries>,
     recording: Recording,
-    /// Updates for readers who follow the run.
+    /// Live report that receives the rows and stills of the run.
     live: Option<LiveSimulation>,
     model: Model,
     every: Option<f64>,
-    /// True while the steps are those of an earlier process, which has written their frames.
+    /// True while the steps come from the journal of an earlier process, which has written their frames.
     recalls: bool,
     spent: Duration,
     /// Units of the results with those of the columns and fields; `None` where the script declares none.
@@ -271,7 +271,7 @@ impl Artifacts {
         self.obstacles.iter_mut().map(|(series, _)| series).chain(&mut self.contacts).try_for_each(work)
     }
 
-    /// Ends recalling: the rows so far are written as the history, and further frames are written.
+    /// Ends the replay of an earlier process: the rows so far are written as the history, and further frames are written.
     ///
     /// # Errors
     /// A file that cannot be written; a frame of another moment.
@@ -363,14 +363,14 @@ impl Artifacts {
         self.show_stills();
     }
 
-    /// Passes further data to readers who follow the run, after `history` as the data so far.
+    /// Connects the files with the live report `live`, after `history` as the data so far.
     pub fn show_to(&mut self, live: LiveSimulation, history: &History) {
         self.live = Some(live);
         self.show_rows(history, 0);
         self.show_stills();
     }
 
-    /// Returns the updates for readers who follow the run.
+    /// Returns the live report of the simulation.
     pub fn live(&mut self) -> Option<&mut LiveSimulation> {
         self.live.as_mut()
     }
@@ -396,12 +396,12 @@ impl Artifacts {
         }
     }
 
-    /// Returns the stills for the animation.
+    /// Returns the stills (recorded animation frames).
     pub fn recording(&self) -> &Recording {
         &self.recording
     }
 
-    /// Returns the stills, including one of the present state, whose row of the history is `row`.
+    /// Returns the stills (animation frames), including one of the present state, whose row of the history is `row`.
     pub fn stills(&self, simulation: &Simulation, row: usize) -> Vec<Arc<Still>> {
         let mut stills = self.recording.stills().to_vec();
         if stills.last().is_none_or(|still| still.row != row) {
@@ -410,12 +410,12 @@ impl Artifacts {
         stills
     }
 
-    /// Adds time spent on a file.
+    /// Adds time spent on writing a file.
     pub fn count(&mut self, spent: Duration) {
         self.spent += spent;
     }
 
-    /// Time spent on files.
+    /// Time spent on writing files.
     pub fn spent(&self) -> Duration {
         self.spent
     }

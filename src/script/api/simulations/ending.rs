@@ -70,7 +70,7 @@ fn finish_simulation(
     let (Ok(simulation), history) = (data.simulation.try_borrow(), data.history.borrow()) else { return Ok(()) };
     let drawn = {
         let mut artifacts = data.artifacts.borrow_mut();
-        // While steps of an earlier process are taken from the journal, no files are written.
+        // While the steps of an earlier process are replayed from the journal, no files are written.
         let Some(artifacts) = artifacts.as_mut().filter(|artifacts| !artifacts.recalls()) else { return Ok(()) };
         let mut plot = energies(&data.name, &*history);
         plot.x.label += &data.bracketed("time");

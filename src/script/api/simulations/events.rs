@@ -19,7 +19,7 @@ impl SimulationHandle {
         }
     }
 
-    /// Reports an equilibrium, and contacts that became active or inactive on the way.
+    /// Reports an equilibrium, and contacts that became active or inactive in the search for it.
     pub(super) fn tell_settled(&self, host: &Host, row: &LedgerRow, report: &SettleReport) {
         self.tell_contacts(host, row);
         let &SettleReport { steps, newton_iterations, .. } = report;

@@ -17,12 +17,12 @@ use crate::script::language::prelude::*;
 /// Names of all fields.
 static NAMES: LazyLock<Vec<&str>> = LazyLock::new(|| NODE_FIELDS.iter().map(|field| field.name).collect());
 
-/// The field with a name of [`NAMES`]; the position for any other name.
+/// The field with this name (one of [`NAMES`]); positions for any other name.
 fn named(name: &str) -> &'static NodeField {
     NODE_FIELDS.iter().find(|field| field.name == name).unwrap_or(&NODE_FIELDS[0])
 }
 
-/// Places of values by their names in scripts.
+/// Evaluation places of field values (nodes, cells, quadrature points) with their names in scripts.
 static PLACES: &[(&str, Option<CellPlaces>)] = &[("nodes", None), ("cells", Some(CellPlaces::Cells)), ("points", Some(CellPlaces::Points))];
 
 /// Values of a field with their positions.
@@ -200,7 +200,7 @@ fn parameters() -> Vec<Parameter> {
     ]
 }
 
-/// Values of the field and of the body named in a call.
+/// Values of the field and the body that a call names, at nodes, cells or quadrature points.
 fn chosen(call: &Call) -> Result<Chosen, Failure> {
     let (handle, name, options) = (call.receiver::<SimulationHandle>(), call.text("name")?, call.options("options")?);
     let (index, at) = (handle.body_index(call)?, options.text("at")?);

@@ -6,7 +6,7 @@ use super::reports::{findings, parameters, placed, scripts, tables};
 use crate::output::{LiveModel, LiveOutcome, LiveProblem, LiveSimulation, marks};
 use crate::script::language::host::Host;
 
-/// Passes a new simulation to readers, if any.
+/// Adds a new simulation to the live report, if there is one.
 pub fn begin(host: &Host, handle: &SimulationHandle) {
     let data = &handle.0;
     let (Some(live), mut artifacts) = (&host.settings.live, data.artifacts.borrow_mut()) else { return };
@@ -28,14 +28,14 @@ pub fn begin(host: &Host, handle: &SimulationHandle) {
     tell_problem(host, handle, artifacts.live());
 }
 
-/// Updates the problem, unless it was updated a moment ago.
+/// Updates the description of the problem in the live report, unless it was updated a moment ago.
 pub fn tell_now_and_then(host: &Host, handle: &SimulationHandle) {
     if let Some(artifacts) = handle.0.artifacts.borrow_mut().as_mut() {
         tell_problem(host, handle, artifacts.live().filter(|live| live.wants_problem()));
     }
 }
 
-/// Updates the problem: a script may have read a parameter or a module since.
+/// Updates the description of the problem in the live report: the script may have read a parameter or a module since.
 pub fn tell(host: &Host, handle: &SimulationHandle) {
     if let Some(artifacts) = handle.0.artifacts.borrow_mut().as_mut() {
         tell_problem(host, handle, artifacts.live());
@@ -49,7 +49,7 @@ fn tell_problem(host: &Host, handle: &SimulationHandle, live: Option<&mut LiveSi
     }
 }
 
-/// Passes the outcome of a simulation to readers.
+/// Passes the outcome of a simulation to the live report.
 pub fn end(host: &Host, handle: &SimulationHandle, outcome: &str, is_well: bool) {
     let data = &handle.0;
     let (Ok(simulation), mut artifacts) = (data.simulation.try_borrow(), data.artifacts.borrow_mut()) else { return };

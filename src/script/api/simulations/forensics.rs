@@ -103,7 +103,7 @@ fn name_of(cause: &FailureCause) -> &'static str {
     }
 }
 
-/// An iteration as a map.
+/// Iteration of Newton's method as an object map of the script.
 fn iteration_map(iteration: &IterationReport) -> Map {
     let entries: [(&str, Dynamic); 9] = [
         ("residual", iteration.residual.into()),

@@ -32,7 +32,7 @@ pub struct SimulationData {
     pub model: ModelData,
     /// Name of the simulation: that of the model, numbered if there are several.
     pub name: String,
-    /// Place of the creation in the script.
+    /// Position of the `simulate` call in the script.
     pub place: Option<SourceSpan>,
     /// Overlaps at the start, until `settle` has removed them or the script has accepted them.
     pub overlaps: RefCell<Vec<Overlap>>,
@@ -52,11 +52,11 @@ pub struct SimulationData {
     pub motion: Option<Motion>,
     /// Computing time of the solver.
     pub spent: Cell<Duration>,
-    /// Frames and stills that are kept of the run.
+    /// Limits for the recorded frames and stills (animation frames) of the run.
     pub keeping: RecordingLimits,
     /// Hint for the last step that failed.
     pub hint: RefCell<String>,
-    /// States before the last steps, to go back to; empty where the session cannot go back.
+    /// States before the last steps, for going back by steps; empty if the session never goes back.
     pub past: RefCell<VecDeque<PastState>>,
     /// Probes, with the points that they follow.
     pub probes: RefCell<Vec<Probe>>,
@@ -66,19 +66,19 @@ pub struct SimulationData {
     pub causes_seen: Cell<usize>,
     /// Largest energy so far, the scale of energy defects.
     pub scale: Cell<f64>,
-    /// Number of requests for equilibrium since the last change.
+    /// Number of `settle` calls since the last change of model, time or state.
     pub standing: Cell<u32>,
     /// True while steps are taken.
     pub advancing: Cell<bool>,
-    /// True if the solver has only the row of the last step, because an earlier process has computed the step.
+    /// True if an earlier process has computed the last step, so that the solver has its history row but not its state.
     pub is_behind: Cell<bool>,
     /// Journal of the run and index of the simulation in it; `None` for simulations of checks and studies.
     pub journal: Option<(Rc<Journal>, usize)>,
-    /// True if a resumed run has the present state.
+    /// True if the present state is available to a resumed run.
     pub is_known: Cell<bool>,
     /// Units of the results; `None` where the script declares none.
     pub units: Option<ModelUnits>,
-    /// Findings and energy account at the last evaluation.
+    /// Findings and energy account as of their last evaluation.
     pub found: RefCell<Option<Rc<Found>>>,
 }
 
@@ -88,7 +88,7 @@ pub struct Found {
     pub findings: Vec<RunFinding>,
     /// Energy changes by cause.
     pub account: EnergyAccount,
-    /// Number of rows, last row and number of factorizations, on which findings depend.
+    /// Number of rows, last row and number of factorizations at the evaluation, on which findings depend.
     of: (usize, LedgerRow, usize),
 }
 
@@ -112,7 +112,7 @@ pub struct PastState {
     pub state: Option<Arc<State>>,
     /// Rows of the history.
     pub rows: usize,
-    /// True if a resumed run has the state.
+    /// True if this state is available to a resumed run.
     pub is_known: bool,
     /// Size in bytes, without the data that is shared with the state before.
     pub size: usize,
@@ -184,22 +184,22 @@ pub fn angular_text(row: &LedgerRow, dimension: usize) -> String {
 }
 
 impl SimulationData {
-    /// Converts a time of the solver to the clock of the script; the two differ only in units ([`Motion`]).
+    /// Converts a time from the units of the solver to those of the script ([`Motion`]).
     pub fn script_time(&self, time: f64) -> f64 {
         self.motion.map_or(time, |motion| time / motion.units.time)
     }
 
-    /// Unit of a dimension; empty where the script declares no units, and of numbers.
+    /// Unit of a dimension; empty for pure numbers and if the script declares no units.
     pub fn unit(&self, dimension: &str) -> String {
         self.units.as_ref().map_or(String::new(), |units| pretty_unit(&units.unit(dimension)))
     }
 
-    /// Unit of a dimension in brackets with a space before, for labels; empty where the script declares no units, and of numbers.
+    /// Unit of a dimension in brackets with a space before, for labels; empty for pure numbers and if the script declares no units.
     pub fn bracketed(&self, dimension: &str) -> String {
         self.units.as_ref().map_or(String::new(), |units| units.bracketed(dimension))
     }
 
-    /// A number as text with the unit of its dimension, where units are declared.
+    /// A number as text, with the unit of its dimension if the script declares units.
     pub fn told(&self, number: String, dimension: &str) -> String {
         match self.units.as_ref().map(|units| units.unit(dimension)).filter(|unit| !unit.is_empty()) {
             Some(unit) => format!("{number} {}", pretty_unit(&unit)),
@@ -221,7 +221,7 @@ impl SimulationData {
         self.listed_units().map_or(BTreeMap::new(), |listed| listed.columns)
     }
 
-    /// A time of the script on the clock of the solver.
+    /// Converts a time from the units of the script to those of the solver.
     pub fn kernel_time(&self, time: f64) -> f64 {
         self.motion.map_or(time, |motion| time * motion.units.time)
     }
@@ -235,7 +235,7 @@ impl SimulationData {
         energy.into_iter().chain(found.findings.iter().map(|finding| format!("  found: {finding}: {}", explained(finding)))).collect()
     }
 
-    /// A row of the solver with the times of the script.
+    /// Row of the solver with its times converted to the units of the script.
     pub fn script_row(&self, row: LedgerRow) -> LedgerRow {
         match self.motion {
             Some(motion) => motion.on_script_clock(row),
@@ -277,7 +277,7 @@ impl SimulationHandle {
         Err(result_used(call.function.name).placed(call.place(&Target::Call)))
     }
 
-    /// Runs a search on the present state, announced to the user as `what` of the simulation.
+    /// Runs an analysis of the present state (`what` describes it for the user), which may be interrupted.
     ///
     /// # Errors
     /// A step is running, or the user has interrupted the search.
@@ -286,7 +286,7 @@ impl SimulationHandle {
         call.host.observer.began(&format!("{what} of \"{}\"", self.0.name));
         let found = self.0.simulation.try_borrow_mut().map_err(|_| busy(call)).map(|mut simulation| search(&mut simulation));
         call.host.observer.ended();
-        // An interrupt inside a closure of time may have been taken for a missing value.
+        // An interrupt inside a time function may have been mistaken for a missing value.
         call.host.go_on()?;
         found
     }
@@ -313,13 +313,13 @@ impl SimulationHandle {
         }
     }
 
-    /// Records which contact pairs are closed now.
+    /// Records the contact pairs that are closed in the present state.
     pub fn note_contact(&self) {
         let Ok(simulation) = self.0.simulation.try_borrow() else { return };
         self.note_closed(self.0.script_time(simulation.time()), simulation.closed_nodes());
     }
 
-    /// Records which contact pairs are closed at a time, from the number of closed nodes of each pair.
+    /// Records the contact pairs that are closed at a time, given the number of closed nodes of each pair.
     pub fn note_closed(&self, time: f64, nodes: impl IntoIterator<Item = usize>) {
         for (since, nodes) in self.0.closed_since.borrow_mut().iter_mut().zip(nodes) {
             if nodes > 0 && since.is_none() {

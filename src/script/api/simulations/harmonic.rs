@@ -114,7 +114,7 @@ fn harmonic_response() -> Function {
     }
 }
 
-/// The options of a call in the units of the solver.
+/// Options of a harmonic response from the arguments of a call, converted to the units of the solver.
 fn asked_for(handle: &SimulationHandle, call: &Call, options: &Options, unit: f64) -> Result<HarmonicOptions, Failure> {
     let dimension = handle.0.model.model.dimension();
     let argument = options.argument("frequencies");

@@ -41,14 +41,14 @@ pub struct Journal(pub(super) RefCell<Pages>);
 pub(super) struct Pages {
     /// Computations of an earlier process that the script has not requested yet.
     pub(super) earlier: Option<JournalReader>,
-    /// Number of computations and returns to kept states that are left in `earlier`.
+    /// Number of entries in `earlier` that are computations or returns to a stored state.
     pub(super) left: u64,
     /// Simulations of the earlier process at its end.
     pub(super) simulations: Vec<SavedSimulation>,
     /// End of the journal of the earlier process.
     pub(super) mark: Mark,
     pub(super) writer: Option<JournalWriter>,
-    /// Bytes of the states.
+    /// Bytes of the states in the journal.
     pub(super) bytes: usize,
     /// True if no further entries are added.
     pub(super) is_full: bool,
@@ -64,7 +64,7 @@ pub(super) struct Pages {
     pub(super) files: BTreeMap<PathBuf, (u64, u32)>,
     /// True if an earlier process has begun this run.
     pub(super) is_resumed: bool,
-    /// True if the user has been warned that checkpoints cannot be written.
+    /// True if the warning that checkpoints cannot be written has been issued.
     pub(super) is_told: bool,
 }
 
@@ -123,7 +123,7 @@ impl Pages {
         writer
     }
 
-    /// Adds an entry, unless no resumed run can use it; returns its size in bytes.
+    /// Adds an entry, unless the journal is closed (too large or not writable) or still being replayed; returns its size in bytes.
     fn add(&mut self, entry: &Entry) -> usize {
         let Some(writer) = self.writer.as_mut().filter(|_| !self.is_full && self.left == 0) else { return 0 };
         match writer.add(entry) {
@@ -180,7 +180,7 @@ impl Journal {
         Ok(())
     }
 
-    /// True while computations are taken from an earlier process.
+    /// True while results of computations are taken from an earlier process.
     pub fn is_recalling(&self) -> bool {
         self.0.borrow().left > 0
     }
@@ -207,7 +207,7 @@ impl Journal {
         }
     }
 
-    /// Adds a computation, or a return to a kept state.
+    /// Adds a computation, or a return to a stored state.
     pub(super) fn add(&self, event: &Entry) {
         let mut pages = self.0.borrow_mut();
         if !std::mem::take(&mut pages.repeats) {
@@ -216,7 +216,7 @@ impl Journal {
         }
     }
 
-    /// Adds the state of a simulation that the script has read.
+    /// Adds the state of a simulation, because the script has read from it.
     pub(super) fn keep(&self, simulation: usize, state: Arc<State>) {
         let mut pages = self.0.borrow_mut();
         pages.bytes += pages.add(&Entry::State { simulation, state });

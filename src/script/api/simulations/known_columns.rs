@@ -79,7 +79,7 @@ pub fn register_column_cells(engine: &mut Engine) {
     });
 }
 
-/// Text of a script with the result of its inspection at a call.
+/// Text of a script in which a call was inspected, and true if the call's value is indexed immediately.
 struct Found {
     text: Arc<str>,
     is_indexed: bool,

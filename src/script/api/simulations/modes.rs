@@ -21,10 +21,10 @@ use crate::script::language::prelude::*;
 /// Largest number of modes: each needs several vectors of the model's size.
 const MOST: f64 = 1000.0;
 
-/// Default of the largest deflection in a picture relative to the extent of the bodies.
+/// Default of the largest deflection in pictures of a mode, relative to the extent of the bodies.
 const DEFLECTION: f64 = 0.1;
 
-/// Pictures of a period in a movie.
+/// Number of pictures per period in a movie of a mode.
 const PICTURES: usize = 24;
 
 /// Natural vibrations of a simulation at a state.
@@ -61,7 +61,7 @@ impl Handle for ModesHandle {
             format!("  mode   frequency     angular{axes}"),
         ];
         for (number, mode) in modes.iter().enumerate() {
-            // Small values due to symmetry are round-off.
+            // Effective masses that vanish by symmetry have round-off values, which are printed as 0.
             let moved = |share: &f64| if *share > EFFECTIVE_MASS * mass { brief(*share) } else { "0".into() };
             let masses = mode.effective_mass.iter().map(|share| format!("{:>12}", moved(share))).collect::<String>();
             let [frequency, angular] = [mode.frequency(), mode.angular_frequency()].map(|value| brief(value * self.0.unit));
@@ -197,12 +197,12 @@ fn modes() -> Function {
     }
 }
 
-/// Nodes that slide against friction in the state of a row.
+/// Number of sliding nodes in contacts with friction, by the history row of a state.
 fn sliding(row: &LedgerRow) -> usize {
     row.contacts.iter().map(|contact| contact.sliding).sum()
 }
 
-/// Makes the present configuration of a body its undeformed one.
+/// Replaces the undeformed configuration of a body by its present one.
 fn at_place(body: &mut BodyFields) {
     let mut mesh = (*body.mesh).clone();
     mesh.points = (0..mesh.points.len()).map(|node| body.position(node)).collect();

@@ -9,7 +9,7 @@ use crate::script::language::handle::Handle;
 use crate::script::language::tables::table;
 
 impl SimulationHandle {
-    /// Time, ledger and contacts as tables.
+    /// Time, ledger row and contacts of a simulation as tables.
     pub fn table(&self) -> String {
         let data = &self.0;
         let _ = self.looked();

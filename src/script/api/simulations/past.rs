@@ -7,16 +7,16 @@ use std::cell::Cell;
 use super::handle::{PastState, SimulationHandle};
 use crate::script::language::host::Host;
 
-/// Bytes of memory that the states before the last steps of a simulation may take.
+/// Largest memory of the states that a simulation keeps for going back by steps `[bytes]`.
 const PAST_BYTES: usize = 64 << 20;
 
-/// States before the last steps of a simulation at most.
+/// Largest number of states that a simulation keeps for going back by steps (`back`).
 const PAST_STATES: usize = 1000;
 
-/// The function for which states before the last steps are kept.
+/// Name of the script function that goes back by steps, for which states of earlier steps are kept.
 const GOES_BACK: &str = "back";
 
-/// Result of the search for calls of `back` in this number of texts.
+/// Result of the search for calls of `back` in the texts of the session, and the number of texts searched.
 #[derive(Default)]
 struct Searched(Cell<Option<(usize, bool)>>);
 

@@ -16,17 +16,17 @@ use crate::script::language::diagnostics::Diagnostic;
 use crate::script::language::digits::{brief, number_text};
 use crate::script::language::prelude::*;
 
-/// Default number of increments to the end.
+/// Default number of load increments up to the end of a path.
 const INCREMENTS: f64 = 20.0;
 
-/// Points at most.
+/// Largest number of points of a path.
 const MOST: f64 = 100_000.0;
 
 /// Equilibria of a simulation along a load.
 #[derive(Clone)]
 pub struct PathHandle {
     path: Rc<Path>,
-    /// Rows of the path on the clock of the script, and the history before.
+    /// Rows of the path, with times in the units of the script, and the history before the path.
     rows: Rc<Vec<LedgerRow>>,
     before: History,
     simulation: SimulationHandle,
@@ -138,7 +138,7 @@ fn follow_load() -> Function {
     }
 }
 
-/// The options of a call on the clock of the solver.
+/// Options of a path from the arguments of a call; times are those of the solver, whose unit may differ from that of the script.
 fn path_options(handle: &SimulationHandle, options: &Options) -> Result<PathOptions, Failure> {
     let (until, given) = (options.number("load")?, options.argument("increment"));
     let now = handle.0.simulation.try_borrow().map(|simulation| handle.0.script_time(simulation.time())).unwrap_or_default();

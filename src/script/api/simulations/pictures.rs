@@ -20,7 +20,7 @@ use crate::script::language::values::{as_number, describe};
 /// Names of the axes that may point up.
 const AXES: &[&str] = &["x", "y", "z"];
 
-/// Names in the first column of a table, as choices of an option.
+/// Option choices from the names in the first column of a table.
 macro_rules! names {
     ($table:expr) => {{
         static NAMES: LazyLock<Vec<&str>> = LazyLock::new(|| $table.iter().map(|row| row.0).collect());

@@ -254,7 +254,7 @@ fn curve(call: &Call, argument: &Argument, index: usize, entry: &Dynamic) -> Res
             });
         }
         let array = value.read_lock::<Array>().map(|array| array.clone());
-        // A missing value is a gap, so NaN is allowed here.
+        // NaN is admitted, because a missing value leaves a gap in the curve.
         let number = |value: &Dynamic| value.as_float().ok().or_else(|| as_number(value));
         let numbers: Option<Vec<f64>> = array.and_then(|array| array.iter().map(number).collect());
         numbers.ok_or_else(|| {

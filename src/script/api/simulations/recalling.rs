@@ -42,7 +42,7 @@ impl Journal {
         }
     }
 
-    /// Returns the next computation or return to a state; states before it are set in their simulations.
+    /// Returns the next computation or return to a state of the journal; states before it are set in their simulations.
     fn next_event(&self, host: &Host) -> Result<Option<Entry>, Failure> {
         while let Some((other, state)) = self.next_state(None)? {
             let handle = Simulations::of(host).0.borrow().get(other).cloned().ok_or_else(something_else)?;
@@ -157,7 +157,7 @@ impl SimulationHandle {
         Ok(Some(outcome))
     }
 
-    /// Records a computation; for a failed one also the state at its start.
+    /// Records a computation in the journal; for a failed one also the state at its start.
     pub fn take_down(&self, computation: Computation, outcome: Outcome, before: &Arc<State>, tally: Tally) {
         let Some((journal, simulation)) = self.0.journal.as_ref().map(|(journal, number)| (journal, *number)) else { return };
         let has_failed = outcome == Outcome::Failed;
@@ -184,7 +184,7 @@ impl SimulationHandle {
         Ok(())
     }
 
-    /// Records the state before the script reads more from it than the row of its step: a resumed run needs it, too.
+    /// Records the present state before the script reads more than the history row of its step: a resumed run then needs the state.
     ///
     /// # Errors
     /// The script requests another computation than in the run that is resumed.
@@ -225,7 +225,7 @@ impl SimulationHandle {
         }
     }
 
-    /// Prepares the present state for access by the script.
+    /// Prepares the present state for access by the script, so that fields and gaps depend on the state only.
     pub fn show(&self) {
         if let Ok(mut simulation) = self.0.simulation.try_borrow_mut()
             && !self.0.is_behind.get()

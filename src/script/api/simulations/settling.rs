@@ -13,7 +13,7 @@ use crate::script::api::examples::flight_example;
 use crate::script::language::digits::{brief, number_text};
 use crate::script::language::prelude::*;
 
-/// Largest number of requests for equilibrium at one time without any change in between.
+/// Largest number of `settle` calls at one time without any change in between.
 const STANDSTILL: u32 = 100;
 
 /// Description of the first argument of `settle`.
@@ -171,7 +171,7 @@ impl SimulationHandle {
     }
 }
 
-/// Value of `settle` in `conserva check`, without known properties.
+/// Placeholder value of `settle` in `conserva check`, where results are unknown.
 #[derive(Clone)]
 struct SettleToCome;
 

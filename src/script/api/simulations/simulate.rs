@@ -132,7 +132,7 @@ fn make(call: &Call) -> Result<SimulationHandle, Failure> {
     let ranks = options.integer("ranks")? as u16;
     let chosen = if let SolverChoice::Mumps { .. } = chosen { SolverChoice::Mumps { ranks } } else { chosen };
     kernel.solver = match call.host.settings.solver.unwrap_or(chosen) {
-        // A check takes no steps, and starts no processes.
+        // `conserva check` takes no steps, and starts no processes.
         SolverChoice::Mumps { .. } if call.host.is_check() => SolverChoice::Auto,
         chosen => chosen,
     };
@@ -198,7 +198,7 @@ fn warn_of_bodies(call: &Call, model: &Model) {
         call.host.warn(Diagnostic::warning(body.to_string(), call.place(&Target::Call)).code(body.code()).hint(body.remedy()));
     }
     for body in &model.bodies {
-        // Laws of the catalogue are sound at rest.
+        // Laws of the catalogue need no check: they are free of stress and stable in the undeformed state.
         let of_text = body.material.energy().map(|_| body.material.weaknesses_at_rest()).unwrap_or_default();
         for weakness in of_text.iter().filter(|weakness| !matches!(weakness, Weakness::EnergyAtRest(_))) {
             let title = format!("the law of body \"{}\" is not sound at rest: {weakness}", body.name);
@@ -288,7 +288,7 @@ fn warn_of_constraints(call: &Call, model: &Model, integrator: &Scheme) {
 /// Largest number of processes of a distributed solver that a script starts, which is untrusted; the command line allows more.
 const MOST_RANKS: f64 = 64.0;
 
-/// Largest number of passages of sound through a body within a step; beyond it the density is taken for a mistake of units.
+/// Largest ratio of a step to the travel time of sound through a body; beyond it the density is taken for an error of units.
 const CROSSINGS: f64 = 1e9;
 
 /// Largest number of bodies that a warning names.

@@ -22,7 +22,7 @@ use crate::script::language::prelude::*;
 /// A state of a simulation, kept as a value.
 #[derive(Clone)]
 pub struct StateHandle {
-    /// The state.
+    /// Stored state of the simulation.
     pub state: Arc<State>,
     /// History up to the state.
     pub history: History,

@@ -52,7 +52,7 @@ impl StepSize {
         }
     }
 
-    /// Returns the step size on a clock whose unit of time is `unit` times smaller.
+    /// Returns the step size in other units of time, by the conversion factor `unit`.
     pub fn on_clock(self, unit: f64) -> StepSize {
         match self {
             StepSize::Fixed(dt) => StepSize::Fixed(unit * dt),

@@ -91,7 +91,7 @@ impl SimulationHandle {
         }
     }
 
-    /// Units to check, if the weight of a body or a load per area is of the order of Young's modulus, which no body can carry.
+    /// Hint to check the units, if the weight of a body or a load per area is of the order of Young's modulus, which no body can carry.
     fn crushed(&self) -> Option<String> {
         let model = &self.0.model.model;
         let time = self.0.simulation.try_borrow().ok()?.time();

@@ -91,7 +91,7 @@ pub fn on_step() -> Function {
 }
 
 impl SimulationHandle {
-    /// Refuses bodies that overlap at the start: this is rarely intended, and contact would keep them as they are.
+    /// Refuses bodies that overlap at the start: this is rarely intended, and contact would keep the overlap.
     fn refuse_overlaps(&self, call: &Call) -> Result<(), Failure> {
         self.refuse(call, |_| true)
     }
@@ -183,14 +183,14 @@ impl SimulationHandle {
         if call.host.is_interrupted() { Err(stopped("interrupted").into()) } else { Ok(()) }
     }
 
-    /// Returns the latest end of a step: for adaptive step sizes, the next frame of the fields.
+    /// Returns the time beyond which the next step must not reach: `end` and, for adaptive step sizes, the next frame of the fields.
     fn landing(&self, end: Option<f64>) -> Option<f64> {
         let (data, simulation) = (&self.0, self.0.simulation.borrow());
         let every = data.keeping.fields_every.filter(|_| simulation.options().control.is_some());
         let frame = every.map(|every| {
             let every = data.kernel_time(every);
             let frame = ((simulation.time() / every + SAME_MOMENT).floor() + 1.0) * every;
-            // A frame at the end up to round-off is that of the end.
+            // A frame whose time equals the end up to round-off is written at the end.
             end.filter(|end| (frame - end).abs() <= SAME_MOMENT * every).unwrap_or(frame)
         });
         end.into_iter().chain(frame).reduce(f64::min)

@@ -1,4 +1,4 @@
-//! Options for the content of stills: recorded states of a run, for movies and the report.
+//! Options for the content of stills: recorded states of a run (animation frames), for movies and the report.
 
 use rhai::Dynamic;
 
@@ -44,7 +44,7 @@ pub(super) fn still_parameters() -> [Parameter; 4] {
     ]
 }
 
-/// Content of the stills that options ask for.
+/// Content of the stills (recorded animation frames) that options request.
 ///
 /// # Errors
 /// An unknown field, or a frame that the model cannot have.

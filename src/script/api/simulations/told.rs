@@ -4,7 +4,7 @@ use super::handle::{SimulationData, SimulationHandle};
 use crate::output::{ModelUnits, pretty_unit};
 use crate::script::language::digits::{brief, brief_vector};
 
-/// Units of the numbers in a text; `None` where the script declares none.
+/// Units for the numbers in a text; `None` if the script declares none.
 #[derive(Clone)]
 pub struct ScriptOutput(Option<ModelUnits>);
 
@@ -37,7 +37,7 @@ impl ScriptOutput {
     }
 }
 
-/// Words before a number in sentences of the kernels, which know no units, and the dimension of the number.
+/// Words that precede a number in sentences of the solver, which has no units, and the dimension of the number.
 const NAMED: [(&str, &str); 9] = [
     ("t = ", "time"),
     ("dt = ", "time"),
@@ -51,14 +51,14 @@ const NAMED: [(&str, &str); 9] = [
 ];
 
 impl SimulationData {
-    /// A sentence of the kernels with the units of the times, lengths and forces in it, where units are declared.
+    /// Sentence of the solver with units appended to its times, lengths and forces, if the script declares units.
     pub fn with_units(&self, text: &str) -> String {
         let Some(units) = &self.units else { return text.to_string() };
         with_units(text, &|dimension| pretty_unit(&units.unit(dimension)))
     }
 }
 
-/// A sentence with a unit after each number that a word of [`NAMED`] announces.
+/// Sentence with a unit after each number that follows a word of [`NAMED`].
 fn with_units(text: &str, unit: &dyn Fn(&str) -> String) -> String {
     let (mut told, mut rest) = (String::new(), text);
     while let Some((place, word, dimension)) = next_word(&told, rest) {

@@ -50,7 +50,7 @@ impl SimulationHandle {
         host.warn(Diagnostic::warning(title, self.0.model.place_of_contact(open[0])).code("C0642").cause(cause).hint(hint));
     }
 
-    /// Warns of findings of the run so far; of missing conservation only above `LOST`.
+    /// Warns of findings of the run so far; non-conservation of energy only above `LOST`.
     pub fn warn_of_findings(&self, host: &Host) {
         let shows = |finding: &&RunFinding| finding.kind != RunFindingKind::NotConserved || finding.value > LOST;
         self.evaluation().iter().flat_map(|found| found.findings.iter()).filter(shows).for_each(|finding| self.warn_of(host, finding));

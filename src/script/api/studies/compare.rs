@@ -190,7 +190,7 @@ fn curve(argument: &Argument) -> Result<Vec<[f64; 2]>, Failure> {
     }
 }
 
-/// Returns points without gaps; of several points at one position, the last one.
+/// Returns points without gaps; the last of several points at one position.
 fn rising(argument: &Argument, points: Vec<[f64; 2]>) -> Result<Vec<[f64; 2]>, Failure> {
     let mut curve: Vec<[f64; 2]> = Vec::new();
     for [x, y] in points {

@@ -88,7 +88,7 @@ fn run_minimize(call: &Call) -> Result<Dynamic, Box<EvalAltResult>> {
     }
     let observer = call.host.observer.clone();
     let searched = search.clone();
-    // Between two points the search method takes seconds if there are hundreds of variables.
+    // With hundreds of variables the search method takes seconds from one point to the next.
     let method = move |ask: &dyn Fn(Vec<f64>) -> Option<Option<f64>>| searched.minimize(|point| ask(point.to_vec()).flatten());
     let end = call.host.consulted(method, |point| {
         if evaluations.value(&point).is_none() {
@@ -200,7 +200,7 @@ fn read(engine: &Engine, value: &Dynamic) -> Result<Plain, Failure> {
     })
 }
 
-/// One evaluation of the closure.
+/// Evaluation of the closure at a point.
 struct Row {
     point: Vec<f64>,
     /// Value of the closure; NaN if it failed.

@@ -84,7 +84,7 @@ impl Record {
         if self.known.is_empty() { None } else { self.known.get(&encoded(point)).cloned() }
     }
 
-    /// Keeps the result of a point for a resumed run.
+    /// Stores the result of a point for a resumed run.
     ///
     /// # Errors
     /// A file that cannot be written.

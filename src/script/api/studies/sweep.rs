@@ -92,7 +92,7 @@ pub fn closure_of(call: &Call, options: &Options, name: &str, parameters: &str) 
     Ok(Callback::new(call, function))
 }
 
-/// Lists the computation instead of running it in `conserva check`, which ends the script there.
+/// In `conserva check`, lists the computation instead of running it; the script ends there.
 pub fn not_in_check(call: &Call, line: String) -> Result<(), Failure> {
     if !call.host.is_check() {
         return Ok(());

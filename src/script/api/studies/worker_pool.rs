@@ -43,7 +43,7 @@ pub trait Results {
     /// A file that cannot be written.
     fn computed(&mut self, point: &[Plain], computed: &Computed) -> Result<(), Failure>;
 
-    /// True if messages of the point are reported.
+    /// True if messages of the point are shown to the user.
     fn is_told(&self, _outcome: &Outcome) -> bool {
         true
     }
@@ -80,7 +80,7 @@ impl<'a> WorkerPool<'a> {
         WorkerPool { call, form }
     }
 
-    /// True if points are computed on worker threads, so that results can be kept for a resumed run.
+    /// True if points are computed on worker threads, so that their results can be stored for a resumed run.
     pub fn is_apart(&self) -> bool {
         matches!(self.form, Form::Threads(_))
     }
@@ -111,7 +111,7 @@ impl<'a> WorkerPool<'a> {
     }
 }
 
-/// Calls the closure in the session itself.
+/// Calls the closure in the session of the script.
 fn here(call: &Call, callback: &Callback, captured: &[Option<Plain>], reading: Reading, point: &[Plain]) -> Outcome {
     let arguments = point.iter().map(Plain::value).collect();
     let value = {
@@ -164,7 +164,7 @@ fn blueprint(call: &Call, threads: usize) -> Option<Blueprint> {
     for (name, value) in global.constants.iter().flat_map(|constants| constants.borrow().clone()) {
         match Plain::of(&value) {
             Some(value) => constants.push((name.to_string(), value)),
-            // An object that functions of the script may use.
+            // Functions of the script may use an object that cannot be transferred to another session.
             None if sources.iter().any(|(_, text)| text.contains(&format!("global::{name}"))) => return None,
             None => {}
         }
@@ -206,7 +206,7 @@ struct Thread {
     index: Arc<AtomicUsize>,
 }
 
-/// Threads with sessions of their own.
+/// Worker threads, each with a session of its own.
 struct Threads {
     jobs: Option<Sender<Job>>,
     news: Receiver<WorkerMessage>,
@@ -299,7 +299,7 @@ impl Threads {
         outcome
     }
 
-    /// Stops the computation of points from index `next` on.
+    /// Cancels the computation of points from index `next` on.
     fn stop_behind(&self, next: usize) {
         self.last.store(next, Ordering::SeqCst);
         for thread in &self.threads {

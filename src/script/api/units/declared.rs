@@ -37,7 +37,7 @@ impl DeclaredUnits {
         Self::set(host).map_or(Vec::new(), |set| set.names().into_iter().map(String::from).collect())
     }
 
-    /// The declared set.
+    /// Set of units that the script has declared; `None` without a declaration.
     pub fn set(host: &Host) -> Option<UnitSet> {
         host.slots.get::<DeclaredUnits>().set.borrow().clone()
     }

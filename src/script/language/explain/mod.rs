@@ -130,7 +130,7 @@ impl Explainer<'_> {
             }
             // The engine gives the place of the call that did not return; the loop is in the function.
             EvalAltResult::ErrorTooManyOperations(_) => scan::loop_in(&lexemes, &text[place?.range.clone()])?,
-            // Registered indexers fail at the bracket, those of arrays at the index.
+            // The engine reports the position of the bracket for registered indexers, that of the index for arrays.
             EvalAltResult::ErrorArrayBounds(..) => scan::behind_bracket(&lexemes, place?.range.start)?,
             EvalAltResult::ErrorDataRace(what, position) if position.is_none() => scan::self_use(&lexemes, what.split('\'').nth(1)?)?,
             _ => return None,
