@@ -27,6 +27,7 @@ mod rolling;
 mod round;
 mod second_order;
 mod slip;
+mod stiffness;
 mod tied;
 mod vectors;
 mod vertices;

@@ -16,17 +16,15 @@
 //! the moment `m` of the derivatives with respect to plane coordinates and heights, taken as forces, the rotation of `n` adds `d N.b`,
 //! `b = -m x n / |N|`.
 //!
-//! A polygon depends on twelve plane coordinates and, without profiles, linearly on heights. One evaluation with derivatives by plane
-//! coordinates, of which six follow from affine maps without profiles, gives its part of the Hessian, which the chain rule then transforms
-//! to the node positions.
+//! `stiffness.rs` has the Hessian.
 
-use super::closing::Closing;
-use super::polygon::{Polygon, VERTICES, shares};
-use super::profiles::{Form, Profile};
-use super::vectors::{Jet, LANES, Vec3, columns_into, jets};
-use super::vertices::{CORNERS, Forces, NODES, PerTriangle, shape_gradients};
+use super::polygon::{Polygon, VERTICES};
+use super::profiles::Profile;
+use super::stiffness::Hessian;
+use super::vectors::Vec3;
+use super::vertices::{CORNERS, Forces, NODES};
 use super::view::{POINTS, View, triangles};
-use crate::contact::numbers::{self, Each, Number};
+use crate::contact::numbers::{Each, Number};
 use crate::math::simd::{Kernel, dispatch};
 
 /// Facet pair, projected along the secondary normal.
@@ -115,20 +113,14 @@ impl<T: Number> Pair<T> {
 pub type Gradients = [Vec3<Each<CORNERS>>; NODES];
 
 impl Pair<f64> {
-    /// Heights of the corners of a polygon's triangles.
-    #[inline(always)]
-    fn heights(&self, corners: &PerTriangle<usize>) -> PerTriangle<f64> {
-        corners.map(|corners| corners.map(|point| self.view.h[point]))
-    }
-
     /// Weighted gaps `Phi_A` of the secondary nodes `[length^3]`.
     pub fn values(&self) -> [f64; CORNERS] {
         let mut values = [0.0; CORNERS];
         for polygon in &self.polygons {
-            let (places, heights) = (self.view.places(&polygon.corners), self.heights(&polygon.corners));
+            let (places, heights) = (self.view.places(&polygon.corners), self.view.heights(&polygon.corners));
             let mut integrals = polygon.integrals(&polygon.counting(&polygon.gaps(&heights)), 0);
             if let Some(forms) = self.view.forms(&polygon.corners) {
-                let closing = Closing::new(&polygon.areas, &places, &heights, forms);
+                let (closing, _) = polygon.closing(&places, &heights, forms);
                 integrals.iter_mut().zip(closing.closed(polygon.vertices())).for_each(|(open, closed)| *open -= closed);
             }
             for (integral, point) in integrals.into_iter().zip(polygon.corners[0]) {
@@ -141,7 +133,7 @@ impl Pair<f64> {
 
     /// Largest absolute gap over the overlap.
     pub fn farthest(&self) -> f64 {
-        let gaps = |polygon: &Polygon<f64>| polygon.gaps(&self.heights(&polygon.corners));
+        let gaps = |polygon: &Polygon<f64>| polygon.gaps(&self.view.heights(&polygon.corners));
         self.polygons.iter().flat_map(gaps).fold(0.0, |largest, gap| largest.max(gap.abs()))
     }
 
@@ -153,9 +145,23 @@ impl Pair<f64> {
         let (mut of_p, mut of_h) = ([[zero; 2]; POINTS], [zero; POINTS]);
         for polygon in &self.polygons {
             let corners = &polygon.corners;
-            let (places, heights) = (self.view.places(corners), self.heights(corners));
-            let closing = self.view.forms(corners).map(|forms| Closing::new(&polygon.areas, &places, &heights, forms));
-            let forces: Forces<R> = polygon.forces(&places, &heights, &closing, &self.view.weights(corners[0], weights), band);
+            let (places, heights) = (self.view.places(corners), self.view.heights(corners));
+            let weights = self.view.weights(corners[0], weights);
+            let mut tilted = None;
+            let closing = self.view.forms(corners).map(|forms| {
+                let (closing, tilt) = polygon.closing(&places, &heights, forms);
+                let moments = closing.moments(polygon.vertices(), &weights);
+                tilted = Some(tilt.forces(closing.tilting(&moments)));
+                (closing, moments)
+            });
+            let mut forces: Forces<R> = polygon.forces(&places, &heights, &closing, &weights, band);
+            if let Some(tilted) = tilted {
+                for j in 0..3 {
+                    forces.of_p[1][j][0] += tilted[j][0];
+                    forces.of_p[1][j][1] += tilted[j][1];
+                    forces.of_h[1][j] += tilted[j][2];
+                }
+            }
             for side in 0..2 {
                 for j in 0..3 {
                     let (point, [x, y]) = (corners[side][j], forces.of_p[side][j]);
@@ -184,7 +190,7 @@ impl Pair<f64> {
 
     /// Writes `share` times the derivatives of [`Pair::gradient`], row-major over the unknowns of the nodes.
     pub fn hessian_into(&self, weights: &[f64; CORNERS], band: f64, share: f64, out: &mut [f64]) {
-        dispatch(Hessian { pair: self, weights, band, share, out });
+        dispatch(Hessian { view: &self.view, polygons: &self.polygons, weights, band, share, out });
     }
 }
 
@@ -201,202 +207,6 @@ impl Kernel for OfEach<'_> {
     fn run<const FMA: bool>(self) -> Gradients {
         let weights = std::array::from_fn(|row| Each(std::array::from_fn(|lane| if lane == row { 1.0 } else { 0.0 })));
         self.pair.gradient(&weights, self.band)
-    }
-}
-
-/// Computation of the Hessian of a pair, compiled for the instruction set of the processor.
-struct Hessian<'a> {
-    pair: &'a Pair<f64>,
-    weights: &'a [f64; CORNERS],
-    band: f64,
-    share: f64,
-    out: &'a mut [f64],
-}
-
-/// Number of plane coordinates and heights of all points.
-const SEEN: usize = 3 * POINTS;
-
-/// Number with its derivatives with respect to the plane coordinates of a primary triangle.
-type OfPrimary = numbers::Jet<{ LANES / 2 }>;
-
-/// Derivatives of forces with respect to plane coordinates and heights, and the forces.
-struct Stiffness {
-    rows: [[f64; SEEN]; SEEN],
-    forces: [f64; SEEN],
-}
-
-impl Stiffness {
-    /// Adds the contribution of a polygon of flat triangles.
-    ///
-    /// `Phi` is `det A` times as large where an affine map `A` moves the corners of both triangles, and forces are `det A A^-T` times as
-    /// large. The maps that move one secondary corner `j` and leave the other two, `x + v N_j(x)`, hence give the derivatives with respect
-    /// to that corner from those with respect to the primary ones, `d F = (grad N_j.v) F - grad N_j (v.F) - sum_m N_j(m) v dF/dm`.
-    #[inline(always)]
-    fn add_flat(&mut self, pair: &Pair<f64>, polygon: &Polygon<f64>, jets: &mut Polygon<OfPrimary>, weights: &[f64; 3], band: f64) {
-        let (corners, zero) = (&polygon.corners, OfPrimary::from(0.0));
-        let (places, heights) = (pair.view.places(corners), pair.heights(corners));
-        let mut unknowns = [[[zero; 2]; 3]; 2];
-        for lane in 0..LANES {
-            let (side, j, i) = (lane / 6, lane / 2 % 3, lane % 2);
-            unknowns[side][j][i] = OfPrimary::unknown(places[side][j][i], lane.checked_sub(6));
-        }
-        if !jets.set(*corners, &unknowns) {
-            return;
-        }
-        let Forces { of_p, of_h } = jets.forces(&unknowns, &heights, &None, weights, band);
-        let gradients = shape_gradients(&places[0], polygon.areas[0]);
-        let inverse = polygon.areas[0].recip();
-        let beyond = [0, 1, 2].map(|m| shares(&places[0], inverse, &places[1][m]));
-        for (&point, (p, h)) in corners.as_flattened().iter().zip(of_p.as_flattened().iter().zip(of_h.as_flattened())) {
-            for (i, force) in [p[0], p[1], *h].into_iter().enumerate() {
-                self.forces[3 * point + i] += force.re;
-                let mut derivatives = [[[0.0; 2]; 3]; 2];
-                for j in 0..3 {
-                    for a in 0..2 {
-                        derivatives[1][j][a] = force.eps[2 * j + a];
-                        let mut of_map = gradients[j][a] * force.re;
-                        if i < 2 {
-                            of_map -= gradients[j][i] * p[a].re;
-                        }
-                        for m in 0..3 {
-                            of_map -= beyond[m][j] * force.eps[2 * m + a];
-                        }
-                        derivatives[0][j][a] = of_map;
-                    }
-                }
-                self.add_row(3 * point + i, corners, derivatives.as_flattened().as_flattened());
-            }
-        }
-        self.add_passed(polygon, &None, weights, band);
-    }
-
-    /// Adds derivatives of a force with respect to the plane coordinates of the corners of both triangles, and those of forces in the plane
-    /// with respect to a height, which are equal.
-    #[inline(always)]
-    fn add_row(&mut self, row: usize, corners: &PerTriangle<usize>, derivatives: &[f64]) {
-        let points = corners.as_flattened();
-        for lane in 0..LANES {
-            let column = 3 * points[lane / 2] + lane % 2;
-            self.rows[row][column] += derivatives[lane];
-            if row % 3 == 2 {
-                self.rows[column][row] += derivatives[lane];
-            }
-        }
-    }
-
-    /// Adds the derivatives of forces that pass between edges with respect to heights.
-    #[inline(always)]
-    fn add_passed(&mut self, polygon: &Polygon<f64>, closing: &Option<Closing<f64>>, weights: &[f64; 3], band: f64) {
-        if band > 0.0 {
-            let points = polygon.corners.as_flattened();
-            for (row, derivatives) in polygon.passed(closing, weights, band).into_iter().enumerate() {
-                for (&point, derivative) in points.iter().zip(derivatives) {
-                    self.rows[3 * points[row / 2] + row % 2][3 * point + 2] += derivative;
-                }
-            }
-        }
-    }
-
-    /// Adds the contribution of a polygon with height profiles.
-    #[inline(always)]
-    fn add_curved(
-        &mut self,
-        pair: &Pair<f64>,
-        polygon: &Polygon<f64>,
-        forms: [Form; 2],
-        jets: &mut Polygon<Jet>,
-        weights: &[f64; 3],
-        band: f64,
-    ) {
-        let (corners, zero) = (&polygon.corners, Jet::from(0.0));
-        let (places, heights) = (pair.view.places(corners), pair.heights(corners));
-        let mut unknowns = [[[zero; 2]; 3]; 2];
-        for lane in 0..LANES {
-            let (side, j, i) = (lane / 6, lane / 2 % 3, lane % 2);
-            unknowns[side][j][i] = Jet::unknown(places[side][j][i], Some(lane));
-        }
-        if !jets.set(*corners, &unknowns) {
-            return;
-        }
-        let closing = Some(Closing::new(&jets.areas, &unknowns, &heights, forms));
-        let Forces { of_p, of_h } = jets.forces(&unknowns, &heights, &closing, weights, band);
-        for (&point, (p, h)) in corners.as_flattened().iter().zip(of_p.as_flattened().iter().zip(of_h.as_flattened())) {
-            for (i, force) in [p[0], p[1], *h].into_iter().enumerate() {
-                self.forces[3 * point + i] += force.re;
-                self.add_row(3 * point + i, corners, &force.eps);
-            }
-        }
-        let closing = Closing::new(&polygon.areas, &places, &heights, forms);
-        for (&row, derivatives) in corners[1].iter().zip(closing.by_heights(polygon.vertices(), weights)) {
-            corners[1].iter().zip(derivatives).for_each(|(&column, derivative)| self.rows[3 * row + 2][3 * column + 2] += derivative);
-        }
-        self.add_passed(polygon, &Some(closing), weights, band);
-    }
-
-    /// Distributes the rows and columns of the mean points to the nodes.
-    #[inline(always)]
-    fn fold(&mut self, view: &View<f64>) {
-        for point in [NODES, NODES + 1] {
-            let (nodes, share) = view.shares(point);
-            for node in nodes {
-                for i in 0..3 {
-                    let (to, from) = (3 * node + i, 3 * point + i);
-                    self.forces[to] += share * self.forces[from];
-                    for k in 0..SEEN {
-                        self.rows[to][k] += share * self.rows[from][k];
-                    }
-                    for k in 0..SEEN {
-                        self.rows[k][to] += share * self.rows[k][from];
-                    }
-                }
-            }
-        }
-    }
-}
-
-impl Kernel for Hessian<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<const FMA: bool>(self) {
-        let Hessian { pair, weights, band, share, out } = self;
-        let view = &pair.view;
-        let mut stiffness = Stiffness { rows: [[0.0; SEEN]; SEEN], forces: [0.0; SEEN] };
-        if view.profiles.is_some() {
-            let mut jets = Polygon::empty();
-            for polygon in &pair.polygons {
-                let Some(forms) = view.forms(&polygon.corners) else { continue };
-                stiffness.add_curved(pair, polygon, forms, &mut jets, &view.weights(polygon.corners[0], weights), band);
-            }
-        } else {
-            let mut jets = Polygon::empty();
-            for polygon in &pair.polygons {
-                stiffness.add_flat(pair, polygon, &mut jets, &view.weights(polygon.corners[0], weights), band);
-            }
-        }
-        stiffness.fold(view);
-        let count = view.counts[0] + view.counts[1];
-        let positions = view.arms[..count].as_flattened();
-        for first in (0..positions.len()).step_by(LANES) {
-            let Some(moved) = View::new(&jets(positions, first), view.counts) else { return };
-            let zero = Jet::from(0.0);
-            let (mut of_p, mut of_h) = ([[zero; 2]; POINTS], [zero; POINTS]);
-            for k in 0..count {
-                for (i, force) in [0, 1, 2].map(|i| 3 * k + i).into_iter().enumerate() {
-                    let (row, mut jet) = (&stiffness.rows[force], Jet::from(stiffness.forces[force]));
-                    for node in 0..count {
-                        let seen = [&moved.p[node][0], &moved.p[node][1], &moved.h[node]];
-                        for (part, seen) in row[3 * node..].iter().zip(seen) {
-                            for lane in 0..LANES {
-                                jet.eps[lane] += part * seen.eps[lane];
-                            }
-                        }
-                    }
-                    if i < 2 { of_p[k][i] = jet } else { of_h[k] = jet }
-                }
-            }
-            columns_into(&moved.spread(&of_p, &of_h), first, share, out);
-        }
     }
 }
 

@@ -16,8 +16,9 @@
 
 use std::ops::Mul;
 
-use super::closing::Closing;
-use super::vertices::{Forces, NODES, PerTriangle, PolygonBorder, Vertex, sides, slope};
+use super::closing::{Closing, Moments, Tilt};
+use super::profiles::Form;
+use super::vertices::{Forces, NODES, OfPrimary, PerTriangle, PolygonBorder, Vertex, outward, shape_gradients, sides, slope};
 use crate::contact::numbers::Number;
 use crate::math::tolerances::FACING_AREA;
 
@@ -49,10 +50,15 @@ fn area<T: Number>(a: &[T; 2], b: &[T; 2], c: &[T; 2]) -> T {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
 
-/// Clips a polygon to the left of a line; `side` is the position of its corners relative to the line, positive on the left, and `is_inner`
-/// tells that the line lies between two secondary triangles. Returns the new number of corners.
+/// Clips a polygon to the left of the line `border`; `side` is the position of its corners relative to the line, positive on the left, and
+/// `is_inner` tells that the line lies between two secondary triangles. Returns the new number of corners.
 #[inline(always)]
-fn clip<T: Number>(old: &[Corner<T>], side: &[T; VERTICES], is_inner: bool, new: &mut [Corner<T>; VERTICES]) -> usize {
+fn clip<T: Number>(
+    old: &[Corner<T>],
+    side: &[T; VERTICES],
+    (border, is_inner): (PolygonBorder, bool),
+    new: &mut [Corner<T>; VERTICES],
+) -> usize {
     let mut left = 0;
     for k in 0..old.len() {
         let next = if k + 1 == old.len() { 0 } else { k + 1 };
@@ -62,14 +68,11 @@ fn clip<T: Number>(old: &[Corner<T>], side: &[T; VERTICES], is_inner: bool, new:
             left += 1;
         }
         if is_in != is_next_in && left < VERTICES {
-            // A reciprocal in place of a division: numbers with derivatives are divided in this way, and plain numbers must make bitwise
-            // equal decisions.
             let share = side[k] * (side[k] - side[next]).recip();
             let (from, to) = (&old[k].p, &old[next].p);
             new[left].p = [from[0] + share * (to[0] - from[0]), from[1] + share * (to[1] - from[1])];
             // Where the polygon leaves the half plane, its next side lies on the line.
-            (new[left].border, new[left].is_inner) =
-                if is_in { (PolygonBorder::Secondary, is_inner) } else { (old[k].border, old[k].is_inner) };
+            (new[left].border, new[left].is_inner) = if is_in { (border, is_inner) } else { (old[k].border, old[k].is_inner) };
             left += 1;
         }
     }
@@ -97,12 +100,6 @@ pub struct EdgeOwner<T> {
     share: Option<T>,
 }
 
-/// Outward normal of an edge; its length is that of the edge.
-#[inline(always)]
-fn outward<T: Number>([a, b]: [&Vertex<T>; 2]) -> [T; 2] {
-    [b.p[1] - a.p[1], a.p[0] - b.p[0]]
-}
-
 /// Distributes the force of an edge, given by its coefficients at both ends, to the corners of triangle `side`.
 #[inline(always)]
 fn push<T: Copy, R: Number + Mul<T, Output = R>>(
@@ -125,7 +122,7 @@ impl<T: Number> Polygon<T> {
     #[inline(always)]
     pub fn empty() -> Self {
         let zero = T::from(0.0);
-        let (border, is_inner) = (PolygonBorder::Primary, false);
+        let (border, is_inner) = (PolygonBorder::Primary(0), false);
         let vertex = Vertex { p: [zero; 2], of_secondary: [zero; 3], of_primary: [zero; 3], border, is_inner, fan: zero };
         Polygon { corners: [[0; 3]; 2], areas: [zero; 2], vertices: [vertex; VERTICES], count: 0 }
     }
@@ -141,19 +138,19 @@ impl<T: Number> Polygon<T> {
         }
         // The third corner may be the mean point of a facet, between whose triangles the second and the third side lie.
         let [on_secondary, on_primary] = [corners[0][2] >= NODES, corners[1][2] >= NODES];
-        let corner = |p: &[T; 2], is_inner: bool| Corner { p: *p, border: PolygonBorder::Primary, is_inner };
-        let mut first = [corner(m_0, false); VERTICES];
-        (first[1], first[2]) = (corner(m_1, on_primary), corner(m_2, on_primary));
+        let corner = |p: &[T; 2], side: u8, is_inner: bool| Corner { p: *p, border: PolygonBorder::Primary(side), is_inner };
+        let mut first = [corner(m_0, 0, false); VERTICES];
+        (first[1], first[2]) = (corner(m_1, 1, on_primary), corner(m_2, 2, on_primary));
         let mut second = first;
         let (mut now, mut next, mut count) = (&mut first, &mut second, 3);
-        for (from, to, is_inner) in [(s_0, s_1, false), (s_1, s_2, on_secondary), (s_2, s_0, on_secondary)] {
+        for (start, from, to, is_inner) in [(0, s_0, s_1, false), (1, s_1, s_2, on_secondary), (2, s_2, s_0, on_secondary)] {
             let (mut side, mut is_cut) = ([T::from(0.0); VERTICES], false);
             for k in 0..count {
                 side[k] = area(from, to, &now[k].p);
                 is_cut |= side[k].re() < 0.0;
             }
             if is_cut {
-                count = clip(&now[..count], &side, is_inner, next);
+                count = clip(&now[..count], &side, (PolygonBorder::Secondary(start), is_inner), next);
                 std::mem::swap(&mut now, &mut next);
             }
             if count < 3 {
@@ -189,7 +186,7 @@ impl<T: Number> Polygon<T> {
     /// than `band` times its height; half each where both coincide. This makes the forces continuous, without resultant or moment.
     #[inline(always)]
     fn bearer(&self, ends: [&Vertex<T>; 2], band: f64) -> EdgeOwner<T> {
-        let side = if ends[0].border == PolygonBorder::Secondary { 0 } else { 1 };
+        let side = if matches!(ends[0].border, PolygonBorder::Secondary(_)) { 0 } else { 1 };
         if band <= 0.0 {
             return EdgeOwner { side, share: None };
         }
@@ -260,13 +257,14 @@ impl<T: Number> Polygon<T> {
         at
     }
 
-    /// Contribution to the derivatives of `Phi`, from plane coordinates, heights and (secondary) weights at the triangles' corners.
+    /// Contribution to the derivatives of `Phi`, from plane coordinates, heights and (secondary) weights at the triangles' corners, for a
+    /// constant tilt of the height profiles.
     #[inline(always)]
     pub fn forces<W, R>(
         &self,
         places: &PerTriangle<[T; 2]>,
         heights: &PerTriangle<f64>,
-        closing: &Option<Closing<T>>,
+        closing: &Option<(Closing<T>, Moments<T, R>)>,
         weights: &[W; 3],
         band: f64,
     ) -> Forces<R>
@@ -292,8 +290,8 @@ impl<T: Number> Polygon<T> {
                 forces.of_p[1][j][i] = -(on_other[j] * rises[1][i]);
             }
         }
-        if let Some(closing) = closing {
-            closing.forces_into(self.vertices(), weights, &mut forces);
+        if let Some((closing, moments)) = closing {
+            closing.forces_into(moments, weights, &mut forces);
         }
         for k in 0..self.count {
             let (ends, [a, b]) = self.edge(k);
@@ -302,7 +300,7 @@ impl<T: Number> Polygon<T> {
             }
             let outward = outward(ends);
             let mut edge = along_edge([weight[a], weight[b]], [gap[a], gap[b]]);
-            if let Some(closing) = closing {
+            if let Some((closing, _)) = closing {
                 let closed = closing.along_edge(ends, [weight[a], weight[b]]);
                 edge[0] -= closed[0];
                 edge[1] -= closed[1];
@@ -321,10 +319,72 @@ impl<T: Number> Polygon<T> {
     }
 }
 
+impl Polygon<OfPrimary> {
+    /// Takes the corners of a polygon and their derivatives. A corner of the primary triangle moves with it; where sides of both triangles
+    /// cross, the corner moves along the secondary side.
+    #[inline(always)]
+    pub fn follow(&mut self, polygon: &Polygon<f64>, places: &PerTriangle<[f64; 2]>, gradients: &PerTriangle<[f64; 2]>) {
+        const LANES: usize = 6;
+        (self.corners, self.count) = (polygon.corners, polygon.count);
+        (self.areas[0], self.areas[1].re) = (OfPrimary::from(polygon.areas[0]), polygon.areas[1]);
+        for lane in 0..LANES {
+            self.areas[1].eps[lane] = polygon.areas[1] * gradients[1][lane / 2][lane % 2];
+        }
+        let own = sides(&places[0]);
+        let mut border = polygon.vertices[polygon.count - 1].border;
+        for k in 0..polygon.count {
+            let (from, to) = (&polygon.vertices[k], &mut self.vertices[k]);
+            // Displacement of the corner for a displacement of the primary triangle there.
+            let moved = match (border, from.border) {
+                (PolygonBorder::Secondary(_), PolygonBorder::Secondary(_)) => [[0.0; 2]; 2],
+                (PolygonBorder::Primary(_), PolygonBorder::Primary(_)) => [[1.0, 0.0], [0.0, 1.0]],
+                (PolygonBorder::Secondary(on), PolygonBorder::Primary(by)) | (PolygonBorder::Primary(by), PolygonBorder::Secondary(on)) => {
+                    // The shape function of the opposite corner is zero along a side.
+                    let (along, across) = (own[(usize::from(on) + 2) % 3], gradients[1][(usize::from(by) + 2) % 3]);
+                    let inverse = (along[0] * across[0] + along[1] * across[1]).recip();
+                    along.map(|along| across.map(|across| along * across * inverse))
+                }
+            };
+            border = from.border;
+            (to.border, to.is_inner, to.fan.re) = (from.border, from.is_inner, from.fan);
+            for i in 0..2 {
+                to.p[i].re = from.p[i];
+                for lane in 0..LANES {
+                    to.p[i].eps[lane] = from.of_primary[lane / 2] * moved[i][lane % 2];
+                }
+            }
+            for j in 0..3 {
+                (to.of_secondary[j].re, to.of_primary[j].re) = (from.of_secondary[j], from.of_primary[j]);
+                for lane in 0..LANES {
+                    let (x, y) = (to.p[0].eps[lane], to.p[1].eps[lane]);
+                    to.of_secondary[j].eps[lane] = gradients[0][j][0] * x + gradients[0][j][1] * y;
+                    let [of_x, of_y] = gradients[1][j];
+                    to.of_primary[j].eps[lane] = of_x * x + of_y * y - from.of_primary[lane / 2] * gradients[1][j][lane % 2];
+                }
+            }
+        }
+        for k in 1..polygon.count - 1 {
+            self.vertices[k].fan = area(&self.vertices[0].p, &self.vertices[k].p, &self.vertices[k + 1].p);
+        }
+    }
+}
+
+/// Derivatives of forces with respect to heights and to the tilts of the height profiles, see [`Polygon::passed`].
+pub type OfHeights = [f64; 9];
+
 impl Polygon<f64> {
-    /// Derivatives of the forces that pass gradually between edges within the band, with respect to the heights of the corners `[12 x 6]`.
-    pub fn passed(&self, closing: &Option<Closing<f64>>, weights: &[f64; 3], band: f64) -> [[f64; 6]; 12] {
-        let mut passed = [[0.0; 6]; 12];
+    /// Height profiles of both triangles, and the tilt of the primary one.
+    #[inline(always)]
+    pub fn closing(&self, places: &PerTriangle<[f64; 2]>, heights: &PerTriangle<f64>, forms: [Form; 2]) -> (Closing<f64>, Tilt<f64>) {
+        let gradients = [shape_gradients(&places[0], self.areas[0]), shape_gradients(&places[1], self.areas[1])];
+        let tilt = Tilt::new(gradients[1], &heights[1]);
+        (Closing::new(gradients, &tilt, forms), tilt)
+    }
+
+    /// Derivatives of the forces that pass gradually between edges within the band, with respect to the heights of the six corners and the
+    /// tilts of the height profiles.
+    pub fn passed(&self, closing: Option<&Closing<f64>>, weights: &[f64; 3], band: f64) -> [OfHeights; 12] {
+        let mut passed = [[0.0; 9]; 12];
         let weight: [f64; VERTICES] = self.weights(weights);
         for k in 0..self.count {
             let (ends, [a, b]) = self.edge(k);
@@ -332,13 +392,15 @@ impl Polygon<f64> {
                 continue;
             }
             let EdgeOwner { side, share: Some(share) } = self.bearer(ends, band) else { continue };
+            let weight = [weight[a], weight[b]];
+            let mut edges = [[0.0; 2]; 9];
             for (column, (from, up)) in [(0, -share), (1, share)].into_iter().flat_map(|of| [of; 3]).enumerate() {
-                let gap = ends.map(|end| up * end.shape(from)[column % 3]);
-                let mut edge = along_edge([weight[a], weight[b]], gap);
-                if let (Some(closing), 1) = (closing, from) {
-                    let closed = closing.along_edge_by_height(ends, [weight[a], weight[b]], column % 3);
-                    (0..2).for_each(|end| edge[end] -= share * closed[end]);
-                }
+                edges[column] = along_edge(weight, ends.map(|end| up * end.shape(from)[column % 3]));
+            }
+            if let Some(closing) = closing {
+                edges[6..].copy_from_slice(&closing.along_edge_by_tilts(ends, weight).map(|edge| edge.map(|part| -share * part)));
+            }
+            for (column, edge) in edges.into_iter().enumerate() {
                 for (side, edge) in [(side, edge.map(|part| -part)), (1 - side, edge)] {
                     let mut of_p = [[0.0; 2]; 3];
                     push(&mut of_p, ends, side, outward(ends), edge);

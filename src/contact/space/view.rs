@@ -93,6 +93,12 @@ impl<T: Number> View<T> {
         [[self.p[a], self.p[b], self.p[c]], [self.p[d], self.p[e], self.p[f]]]
     }
 
+    /// Heights of the corners of both triangles.
+    #[inline(always)]
+    pub fn heights(&self, corners: &PerTriangle<usize>) -> PerTriangle<T> {
+        corners.map(|corners| corners.map(|point| self.h[point]))
+    }
+
     /// Weight function `sum w_A N_A` at the corners of a secondary triangle.
     #[inline(always)]
     pub fn weights<W: Number>(&self, secondary: [usize; 3], weights: &[W; CORNERS]) -> [W; 3] {

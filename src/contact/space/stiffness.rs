@@ -1,0 +1,281 @@
+//! Hessian of the weighted gaps of a facet pair in space (`pair.rs`).
+//!
+//! `Phi` of a polygon depends on twelve plane coordinates, on heights and, by way of the tilt `u` of the primary triangle, on the height
+//! profiles; it is linear in heights and tilt. Forces are differentiated with respect to the six plane coordinates of the primary triangle.
+//! `Phi` is `det A` times as large where an affine map `A` moves the corners of both triangles, and forces are `det A A^-T` times as large.
+//! The maps that move one secondary corner `j` and leave the other two, `x + v N_j(x)`, hence give the derivatives with respect to that
+//! corner from those with respect to the primary ones:
+//!
+//! ```text
+//! d F = (grad N_j.v) F - grad N_j (v.F) - sum_m N_j(m) v dF/dm         F: forces in the plane
+//! d f = (grad N_j.v) f                  - sum_m N_j(m) v df/dm         f: derivatives with respect to heights and tilt
+//! ```
+//!
+//! Derivatives of the tilt with respect to the primary triangle add the rest, and the chain rule transforms the sum to the node positions.
+
+use super::closing::Tilt;
+use super::polygon::{OfHeights, Polygon, shares};
+use super::profiles::Form;
+use super::vectors::{Jet, LANES, columns_into, jets};
+use super::vertices::{CORNERS, Forces, NODES, OfPrimary, PerTriangle, shape_gradients};
+use super::view::{POINTS, View};
+use crate::contact::numbers::{self, Each};
+use crate::math::simd::Kernel;
+
+/// Computation of the Hessian of a pair, compiled for the instruction set of the processor.
+pub struct Hessian<'a> {
+    pub view: &'a View<f64>,
+    pub polygons: &'a [Polygon<f64>],
+    /// Weights of the secondary nodes.
+    pub weights: &'a [f64; CORNERS],
+    /// Width of the band in which forces pass from edge to edge.
+    pub band: f64,
+    /// Factor of the Hessian, written row-major to `out`.
+    pub share: f64,
+    pub out: &'a mut [f64],
+}
+
+/// Number of plane coordinates and heights of all points.
+const SEEN: usize = 3 * POINTS;
+
+/// Number of plane coordinates of two triangles.
+const PLACES: usize = 12;
+
+/// Number with its derivatives with respect to plane coordinates and heights of a primary triangle.
+type OfTilt = numbers::Jet<9>;
+
+/// Derivatives of forces with respect to plane coordinates and heights, and the forces.
+struct Stiffness {
+    rows: [[f64; SEEN]; SEEN],
+    forces: [f64; SEEN],
+}
+
+/// Derivatives of `Phi` with respect to the tilt of a primary triangle, summed over its polygons.
+struct OfTilts {
+    sums: [f64; 3],
+    /// Derivatives of the sums with respect to plane coordinates.
+    rows: [[f64; SEEN]; 3],
+    /// Derivatives of the forces that pass between edges with respect to the tilt.
+    passed: [[f64; SEEN]; 3],
+}
+
+/// Polygon whose forces are differentiated.
+struct Moved<'a> {
+    corners: &'a PerTriangle<usize>,
+    /// Gradients of the shape functions of both triangles.
+    gradients: PerTriangle<[f64; 2]>,
+    /// Secondary shape functions at the primary corners.
+    beyond: [[f64; 3]; 3],
+}
+
+impl Moved<'_> {
+    /// Derivatives of a number with respect to the plane coordinates of both triangles, secondary ones first. `place`: component of a force
+    /// in the plane and both components of it.
+    #[inline(always)]
+    fn derivatives(&self, of: &OfPrimary, place: Option<(usize, [f64; 2])>) -> [f64; PLACES] {
+        let mut derivatives = [0.0; PLACES];
+        for j in 0..3 {
+            let gradient = self.gradients[0][j];
+            for a in 0..2 {
+                derivatives[6 + 2 * j + a] = of.eps[2 * j + a];
+                let mut of_map = gradient[a] * of.re;
+                if let Some((i, force)) = place {
+                    of_map -= gradient[i] * force[a];
+                }
+                for m in 0..3 {
+                    of_map -= self.beyond[m][j] * of.eps[2 * m + a];
+                }
+                derivatives[2 * j + a] = of_map;
+            }
+        }
+        derivatives
+    }
+}
+
+impl Stiffness {
+    /// Adds the contribution of a polygon, for a constant tilt of the height profiles `forms`; derivatives by the tilt to `tilts`.
+    #[inline(always)]
+    fn add(&mut self, hessian: &Hessian, polygon: &Polygon<f64>, jets: &mut Polygon<OfPrimary>, tilts: Option<(&mut OfTilts, [Form; 2])>) {
+        let Hessian { view, band, .. } = hessian;
+        let (corners, weights) = (&polygon.corners, view.weights(polygon.corners[0], hessian.weights));
+        let (places, heights) = (view.places(corners), view.heights(corners));
+        let gradients = [0, 1].map(|side| shape_gradients(&places[side], polygon.areas[side]));
+        let inverse = polygon.areas[0].recip();
+        let moved = Moved { corners, gradients, beyond: [0, 1, 2].map(|m| shares(&places[0], inverse, &places[1][m])) };
+        jets.follow(polygon, &places, &gradients);
+        let mut unknowns = places.map(|places| places.map(|place| place.map(OfPrimary::from)));
+        for lane in 0..6 {
+            unknowns[1][lane / 2][lane % 2].eps[lane] = 1.0;
+        }
+        let plain = tilts.as_ref().map(|(_, forms)| polygon.closing(&places, &heights, *forms).0);
+        let closing = plain.as_ref().map(|closing| {
+            let gradients = [gradients[0].map(|g| g.map(OfPrimary::from)), shape_gradients(&unknowns[1], jets.areas[1])];
+            (closing.with_gradients(gradients), closing.moments_with_derivatives(polygon.vertices(), &weights))
+        });
+        let Forces { of_p, of_h } = jets.forces(&unknowns, &heights, &closing, &weights, *band);
+        for (&point, (p, h)) in corners.as_flattened().iter().zip(of_p.as_flattened().iter().zip(of_h.as_flattened())) {
+            let in_plane = [p[0].re, p[1].re];
+            for i in 0..2 {
+                self.forces[3 * point + i] += in_plane[i];
+                self.add_row(3 * point + i, corners, &moved.derivatives(&p[i], Some((i, in_plane))));
+            }
+            self.forces[3 * point + 2] += h.re;
+            self.add_row(3 * point + 2, corners, &moved.derivatives(h, None));
+        }
+        let passed = if *band > 0.0 { polygon.passed(plain.as_ref(), &weights, *band) } else { [[0.0; 9]; PLACES] };
+        self.add_passed(corners, &passed);
+        if let (Some((tilts, _)), Some((closing, moments))) = (tilts, &closing) {
+            for (k, sum) in closing.tilting(moments).iter().enumerate() {
+                tilts.add(k, sum, &moved, &passed);
+            }
+        }
+    }
+
+    /// Adds derivatives of a force with respect to the plane coordinates of the corners of both triangles, and those of forces in the plane
+    /// with respect to a height, which are equal.
+    #[inline(always)]
+    fn add_row(&mut self, row: usize, corners: &PerTriangle<usize>, derivatives: &[f64; PLACES]) {
+        let points = corners.as_flattened();
+        for lane in 0..PLACES {
+            let column = 3 * points[lane / 2] + lane % 2;
+            self.rows[row][column] += derivatives[lane];
+            if row % 3 == 2 {
+                self.rows[column][row] += derivatives[lane];
+            }
+        }
+    }
+
+    /// Adds the derivatives of forces that pass between edges with respect to heights.
+    #[inline(always)]
+    fn add_passed(&mut self, corners: &PerTriangle<usize>, passed: &[OfHeights; PLACES]) {
+        let points = corners.as_flattened();
+        for (row, derivatives) in passed.iter().enumerate() {
+            for (&point, derivative) in points.iter().zip(derivatives) {
+                self.rows[3 * points[row / 2] + row % 2][3 * point + 2] += derivative;
+            }
+        }
+    }
+
+    /// Adds what follows from the tilt of a primary triangle with the given corners.
+    #[inline(always)]
+    fn add_tilts(&mut self, view: &View<f64>, triangle: [usize; 3], tilts: &OfTilts) {
+        let places = triangle.map(|point| view.p[point]);
+        let sides = super::vertices::sides(&places);
+        let area = sides[0][0] * sides[1][1] - sides[0][1] * sides[1][0];
+        let (mut unknowns, mut heights) = ([[OfTilt::from(0.0); 2]; 3], [OfTilt::from(0.0); 3]);
+        for k in 0..3 {
+            for i in 0..2 {
+                unknowns[k][i] = OfTilt::unknown(places[k][i], Some(3 * k + i));
+            }
+            heights[k] = OfTilt::unknown(view.h[triangle[k]], Some(3 * k + 2));
+        }
+        let [a, b, c] = &unknowns;
+        let moved_area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+        let forces = Tilt::new(shape_gradients(&unknowns, moved_area), &heights).forces(tilts.sums.map(OfTilt::from));
+        let plain = Tilt::new(shape_gradients(&places, area), &triangle.map(|point| view.h[point]));
+        // Derivatives of the tilt with respect to plane coordinates and heights.
+        let of_tilt = plain.forces([0, 1, 2].map(|k| Each([0, 1, 2].map(|other| if other == k { 1.0 } else { 0.0 }))));
+        for k in 0..3 {
+            for i in 0..3 {
+                let row = 3 * triangle[k] + i;
+                let (force, Each(by)) = (forces[k][i], of_tilt[k][i]);
+                self.forces[row] += force.re;
+                for lane in 0..9 {
+                    self.rows[row][3 * triangle[lane / 3] + lane % 3] += force.eps[lane];
+                }
+                for (u, by) in by.into_iter().enumerate() {
+                    for column in 0..SEEN {
+                        self.rows[row][column] += by * tilts.rows[u][column];
+                        self.rows[column][row] += by * (tilts.rows[u][column] + tilts.passed[u][column]);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Distributes the rows and columns of the mean points to the nodes.
+    #[inline(always)]
+    fn fold(&mut self, view: &View<f64>) {
+        for point in [NODES, NODES + 1] {
+            let (nodes, share) = view.shares(point);
+            for node in nodes {
+                for i in 0..3 {
+                    let (to, from) = (3 * node + i, 3 * point + i);
+                    self.forces[to] += share * self.forces[from];
+                    for k in 0..SEEN {
+                        self.rows[to][k] += share * self.rows[from][k];
+                    }
+                    for k in 0..SEEN {
+                        self.rows[k][to] += share * self.rows[k][from];
+                    }
+                }
+            }
+        }
+    }
+}
+
+impl OfTilts {
+    /// Adds the derivative of `Phi` of a polygon with respect to component `k` of the tilt.
+    #[inline(always)]
+    fn add(&mut self, k: usize, sum: &OfPrimary, moved: &Moved, passed: &[OfHeights; PLACES]) {
+        self.sums[k] += sum.re;
+        let derivatives = moved.derivatives(sum, None);
+        let points = moved.corners.as_flattened();
+        for lane in 0..PLACES {
+            let place = 3 * points[lane / 2] + lane % 2;
+            self.rows[k][place] += derivatives[lane];
+            self.passed[k][place] += passed[lane][6 + k];
+        }
+    }
+}
+
+impl Kernel for Hessian<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<const FMA: bool>(self) {
+        let view = self.view;
+        let mut stiffness = Stiffness { rows: [[0.0; SEEN]; SEEN], forces: [0.0; SEEN] };
+        let mut moving = Polygon::empty();
+        if view.profiles.is_some() {
+            // Primary triangles are identified by their second corner.
+            for start in view.counts[0]..view.counts[0] + view.counts[1] {
+                let mut tilts = OfTilts { sums: [0.0; 3], rows: [[0.0; SEEN]; 3], passed: [[0.0; SEEN]; 3] };
+                let mut triangle = None;
+                for polygon in self.polygons.iter().filter(|polygon| polygon.corners[1][1] == start) {
+                    let Some(forms) = view.forms(&polygon.corners) else { continue };
+                    stiffness.add(&self, polygon, &mut moving, Some((&mut tilts, forms)));
+                    triangle = Some(polygon.corners[1]);
+                }
+                triangle.into_iter().for_each(|triangle| stiffness.add_tilts(view, triangle, &tilts));
+            }
+        } else {
+            for polygon in self.polygons {
+                stiffness.add(&self, polygon, &mut moving, None);
+            }
+        }
+        stiffness.fold(view);
+        let count = view.counts[0] + view.counts[1];
+        let positions = view.arms[..count].as_flattened();
+        for first in (0..positions.len()).step_by(LANES) {
+            let Some(moved) = View::new(&jets(positions, first), view.counts) else { return };
+            let zero = Jet::from(0.0);
+            let (mut of_p, mut of_h) = ([[zero; 2]; POINTS], [zero; POINTS]);
+            for k in 0..count {
+                for (i, force) in [0, 1, 2].map(|i| 3 * k + i).into_iter().enumerate() {
+                    let (row, mut jet) = (&stiffness.rows[force], Jet::from(stiffness.forces[force]));
+                    for node in 0..count {
+                        let seen = [&moved.p[node][0], &moved.p[node][1], &moved.h[node]];
+                        for (part, seen) in row[3 * node..].iter().zip(seen) {
+                            for lane in 0..LANES {
+                                jet.eps[lane] += part * seen.eps[lane];
+                            }
+                        }
+                    }
+                    if i < 2 { of_p[k][i] = jet } else { of_h[k] = jet }
+                }
+            }
+            columns_into(&moved.spread(&of_p, &of_h), first, self.share, self.out);
+        }
+    }
+}
