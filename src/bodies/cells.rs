@@ -19,7 +19,7 @@ use super::completion::AddedForce;
 use super::consistent_mass::{MassRule, summed};
 use super::element_loop::{Advance, BodyState, ElementLoop, FastestCell, ForcePerMass, Inverted, PointStress, Step};
 use super::physics::Physics;
-use super::rounds::{LEAST_CELLS_FOR_THREADS, Run, pieces, rounds};
+use super::rounds::{LEAST_WORK_FOR_THREADS, Run, pieces, rounds};
 use super::special::{Answer, BatchStep, SpecialPoints};
 use super::workspace::Workspace;
 use crate::elements::ReferenceCell;
@@ -396,7 +396,8 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
     }
 
     fn assemble(&self, step: &Step, force: &mut [f64], mut values: Option<&mut [f64]>, workers: &Workers) -> Result<(), Inverted> {
-        let is_shared = workers.are_many() && self.cliques.len() >= LEAST_CELLS_FOR_THREADS;
+        let work = self.cliques.len() * self.cliques.first().map_or(0, |cell| cell.len() * cell.len());
+        let is_shared = workers.are_many() && work >= LEAST_WORK_FOR_THREADS;
         for round in &self.rounds {
             if !is_shared {
                 for placed in round {

@@ -310,8 +310,8 @@ impl Closing<f64> {
         }
     }
 
-    /// Integrals of `W f dC` over an edge for affine `f`, divided by the edge's length, as [`Closing::along_edge`]; `dC`: derivatives of `C`
-    /// of which [`Closing::tilting`] has the integrals, with the opposite sign.
+    /// Integrals of `W f dC` over an edge, as [`Closing::along_edge`], for the derivatives `dC` with respect to the tilt; integrals of
+    /// `-W dC` over the polygon are those of [`Closing::tilting`].
     #[inline(always)]
     pub fn along_edge_by_tilts(&self, ends: [&Vertex<f64>; 2], weight: [f64; 2]) -> [[f64; 2]; 3] {
         let mut sums = [[0.0; 2]; 3];
@@ -345,11 +345,12 @@ impl<T: Number> Closing<T> {
             for (at, share) in &POINTS {
                 let shapes = shapes([&vertices[0], &vertices[k], &vertices[k + 1]], at);
                 let part = self.at(&shapes) * (vertices[k].fan * (0.5 * share));
-                for j in 0..3 {
-                    closed[j] += part * shapes[0][j];
-                }
+                closed[0] += part;
+                closed[1] += part * shapes[0][1];
+                closed[2] += part * shapes[0][2];
             }
         }
+        closed[0] += -(closed[1] + closed[2]);
         closed
     }
 
@@ -427,6 +428,7 @@ impl<T: Number> Closing<T> {
         }
         for j in 0..3 {
             let parts = [self.along(0, of_slopes[0][j]), self.along(1, of_slopes[1][j])];
+            forces.open[j] -= moments.closed[j].re();
             for i in 0..2 {
                 forces.of_p[0][j][i] += parts[0][i] + weight_slope[i] * moments.closed[j];
                 forces.of_p[1][j][i] += parts[1][i];

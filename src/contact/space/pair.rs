@@ -23,7 +23,7 @@ use super::profiles::Profile;
 use super::stiffness::Hessian;
 use super::vectors::Vec3;
 use super::vertices::{CORNERS, Forces, NODES};
-use super::view::{POINTS, View, triangles};
+use super::view::{POINTS, View, are_apart, triangles};
 use crate::contact::numbers::{Each, Number};
 use crate::math::simd::{Kernel, dispatch};
 
@@ -39,16 +39,22 @@ impl<T: Number> Pair<T> {
     #[inline(always)]
     pub fn new(x: &[Vec3<T>], counts: [usize; 2]) -> Option<Self> {
         let (view, mut polygons, [own, other]) = (View::new(x, counts)?, Vec::new(), counts);
-        if view.are_apart(0..own, own..own + other) {
+        if are_apart(&view.bounds(0..own), &view.bounds(own..own + other)) {
             return Some(Pair { view, polygons });
         }
         polygons.reserve(own * other);
         let mut polygon = Polygon::empty();
+        let (mut primary, mut count) = ([([0; 3], [(0.0, 0.0); 2]); CORNERS], 0);
+        for [a, b, c] in triangles(other, own, NODES + 1) {
+            // Projected primary triangles have the opposite orientation, so that two corners are exchanged.
+            primary[count] = ([b, a, c], view.bounds([b, a, c].into_iter()));
+            count += 1;
+        }
         for secondary in triangles(own, 0, NODES) {
-            for [a, b, c] in triangles(other, own, NODES + 1) {
-                // Projected primary triangles have the opposite orientation, so that two corners are exchanged.
-                let corners = [secondary, [b, a, c]];
-                if !view.are_apart(corners[0].into_iter(), corners[1].into_iter()) && polygon.set(corners, &view.places(&corners)) {
+            let bounds = view.bounds(secondary.into_iter());
+            for (triangle, others) in &primary[..count] {
+                let corners = [secondary, *triangle];
+                if !are_apart(&bounds, others) && polygon.set(corners, &view.places(&corners)) {
                     polygons.push(polygon.clone());
                 }
             }
@@ -113,6 +119,11 @@ impl<T: Number> Pair<T> {
 pub type Gradients = [Vec3<Each<CORNERS>>; NODES];
 
 impl Pair<f64> {
+    /// Pair at the positions of its nodes, compiled for the instruction set of the processor, see [`Pair::new`].
+    pub fn at(x: &[Vec3<f64>], counts: [usize; 2]) -> Option<Self> {
+        dispatch(Overlap { x, counts })
+    }
+
     /// Weighted gaps `Phi_A` of the secondary nodes `[length^3]`.
     pub fn values(&self) -> [f64; CORNERS] {
         let mut values = [0.0; CORNERS];
@@ -137,12 +148,13 @@ impl Pair<f64> {
         self.polygons.iter().flat_map(gaps).fold(0.0, |largest, gap| largest.max(gap.abs()))
     }
 
-    /// Gradient of `sum w_A Phi_A` with respect to the node positions. Forces on nearly coinciding edges pass from one facet to the other
-    /// within a band, as a fraction of a triangle's height. With band 0 it is the exact gradient, including its kinks.
+    /// Gradient of `sum w_A Phi_A` with respect to the node positions, and [`Pair::values`]. Forces on nearly coinciding edges pass from
+    /// one facet to the other within a band, as a fraction of a triangle's height. With band 0 it is the exact gradient, including its
+    /// kinks.
     #[inline(always)]
-    pub fn gradient<R: Number>(&self, weights: &[R; CORNERS], band: f64) -> [Vec3<R>; NODES] {
+    fn gradient<R: Number>(&self, weights: &[R; CORNERS], band: f64) -> ([Vec3<R>; NODES], [f64; CORNERS]) {
         let zero = R::from(0.0);
-        let (mut of_p, mut of_h) = ([[zero; 2]; POINTS], [zero; POINTS]);
+        let (mut of_p, mut of_h, mut values) = ([[zero; 2]; POINTS], [zero; POINTS], [0.0; CORNERS]);
         for polygon in &self.polygons {
             let corners = &polygon.corners;
             let (places, heights) = (self.view.places(corners), self.view.heights(corners));
@@ -162,6 +174,10 @@ impl Pair<f64> {
                     forces.of_h[1][j] += tilted[j][2];
                 }
             }
+            for j in 0..3 {
+                let (nodes, share) = self.view.shares(corners[0][j]);
+                nodes.for_each(|node| values[node] += forces.open[j] * share);
+            }
             for side in 0..2 {
                 for j in 0..3 {
                     let (point, [x, y]) = (corners[side][j], forces.of_p[side][j]);
@@ -180,17 +196,32 @@ impl Pair<f64> {
                 of_h[node] += h * share;
             }
         }
-        self.view.spread(&of_p, &of_h)
+        (self.view.spread(&of_p, &of_h), values)
     }
 
-    /// Gradients of all weighted gaps with a band of the width `band`, see [`Pair::gradient`].
-    pub fn gradients(&self, band: f64) -> Gradients {
+    /// Gradients of all weighted gaps with a band of the width `band`, see [`Pair::gradient`], and the gaps.
+    pub fn gradients(&self, band: f64) -> (Gradients, [f64; CORNERS]) {
         dispatch(OfEach { pair: self, band })
     }
 
     /// Writes `share` times the derivatives of [`Pair::gradient`], row-major over the unknowns of the nodes.
     pub fn hessian_into(&self, weights: &[f64; CORNERS], band: f64, share: f64, out: &mut [f64]) {
         dispatch(Hessian { view: &self.view, polygons: &self.polygons, weights, band, share, out });
+    }
+}
+
+/// Computation of the overlap of a pair.
+struct Overlap<'a> {
+    x: &'a [Vec3<f64>],
+    counts: [usize; 2],
+}
+
+impl Kernel for Overlap<'_> {
+    type Output = Option<Pair<f64>>;
+
+    #[inline(always)]
+    fn run<const FMA: bool>(self) -> Option<Pair<f64>> {
+        Pair::new(self.x, self.counts)
     }
 }
 
@@ -201,10 +232,10 @@ struct OfEach<'a> {
 }
 
 impl Kernel for OfEach<'_> {
-    type Output = Gradients;
+    type Output = (Gradients, [f64; CORNERS]);
 
     #[inline(always)]
-    fn run<const FMA: bool>(self) -> Gradients {
+    fn run<const FMA: bool>(self) -> Self::Output {
         let weights = std::array::from_fn(|row| Each(std::array::from_fn(|lane| if lane == row { 1.0 } else { 0.0 })));
         self.pair.gradient(&weights, self.band)
     }
@@ -259,7 +290,9 @@ mod tests {
     /// Exact gradient of the weighted sum of the functions, including kinks.
     fn gradient(pair: &Pair<f64>, weights: &[f64; CORNERS]) -> [Vec3<f64>; NODES] {
         let of_each = |each: Each<CORNERS>| each.0.iter().zip(weights).map(|(slope, weight)| slope * weight).sum();
-        pair.gradients(0.0).map(|node| node.map(of_each))
+        let (gradients, values) = pair.gradients(0.0);
+        assert_eq!(values, pair.values());
+        gradients.map(|node| node.map(of_each))
     }
 
     proptest! {
@@ -308,7 +341,7 @@ mod tests {
                 let moved = |step: f64| {
                     let mut moved = x.clone();
                     moved[column / 3][column % 3] += step;
-                    at(&moved).gradient(&weights, band)
+                    at(&moved).gradient(&weights, band).0
                 };
                 let differences = [1e-5, 2e-5].map(|step| {
                     let (more, less) = (moved(step), moved(-step));
@@ -345,7 +378,7 @@ mod tests {
                 prop_assert!((a - after[(k + 3) % 4]).abs() < 1e-14);
             }
             let (pair, weights) = (pair(&x, counts, kind), [1.0, -0.5, 2.0, 0.25]);
-            for gradient in [gradient(&pair, &weights), pair.gradient(&weights, EDGES_MEET)] {
+            for gradient in [gradient(&pair, &weights), pair.gradient(&weights, EDGES_MEET).0] {
                 let (mut force, mut moment) = ([0.0; 3], [0.0; 3]);
                 for (x, g) in x.iter().zip(gradient) {
                     (0..3).for_each(|i| force[i] += g[i]);
@@ -370,7 +403,7 @@ mod tests {
                 let x: Vec<Vec3<f64>> =
                     own.chain(other).enumerate().map(|(k, x)| std::array::from_fn(|i| x[i] + size * noise[3 * k + i])).collect();
                 let pair = Pair::new(&x, [4, 4]).expect("it has an area");
-                [gradient(&pair, &[1.0; CORNERS]), pair.gradient(&[1.0; CORNERS], EDGES_MEET)]
+                [gradient(&pair, &[1.0; CORNERS]), pair.gradient(&[1.0; CORNERS], EDGES_MEET).0]
             };
             let apart = |a: &[Vec3<f64>; NODES], b: &[Vec3<f64>; NODES]| {
                 a.as_flattened().iter().zip(b.as_flattened()).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()))

@@ -281,7 +281,7 @@ impl<T: Number> Polygon<T> {
         let rises: [[T; 2]; 2] = [slope(&own, inverse[0], &heights[0]), slope(&other, inverse[1], &heights[1])];
         let (on_own, on_other, open) = (self.integrals(&of_weight, 0), self.integrals(&of_weight, 1), self.integrals(&of_gap, 0));
         let zero = R::from(0.0);
-        let mut forces = Forces { of_p: [[[zero; 2]; 3]; 2], of_h: [[zero; 3]; 2] };
+        let mut forces = Forces { open: [open[0].re(), open[1].re(), open[2].re()], of_p: [[[zero; 2]; 3]; 2], of_h: [[zero; 3]; 2] };
         for j in 0..3 {
             forces.of_h[0][j] = -on_own[j];
             forces.of_h[1][j] = on_other[j];

@@ -112,7 +112,7 @@ impl Stiffness {
             let gradients = [gradients[0].map(|g| g.map(OfPrimary::from)), shape_gradients(&unknowns[1], jets.areas[1])];
             (closing.with_gradients(gradients), closing.moments_with_derivatives(polygon.vertices(), &weights))
         });
-        let Forces { of_p, of_h } = jets.forces(&unknowns, &heights, &closing, &weights, *band);
+        let Forces { of_p, of_h, .. } = jets.forces(&unknowns, &heights, &closing, &weights, *band);
         for (&point, (p, h)) in corners.as_flattened().iter().zip(of_p.as_flattened().iter().zip(of_h.as_flattened())) {
             let in_plane = [p[0].re, p[1].re];
             for i in 0..2 {
@@ -193,6 +193,63 @@ impl Stiffness {
         }
     }
 
+    /// Writes the first [`LANES`] columns of the Hessian: those of the secondary nodes, with which the projection rotates.
+    #[inline(always)]
+    fn turned_into(&self, view: &View<f64>, count: usize, share: f64, out: &mut [f64]) {
+        let Some(moved) = View::new(&jets(view.arms[..count].as_flattened(), 0), view.counts) else { return };
+        let zero = Jet::from(0.0);
+        let (mut of_p, mut of_h) = ([[zero; 2]; POINTS], [zero; POINTS]);
+        for k in 0..count {
+            for (i, force) in [0, 1, 2].map(|i| 3 * k + i).into_iter().enumerate() {
+                let (row, mut jet) = (&self.rows[force], Jet::from(self.forces[force]));
+                for node in 0..count {
+                    let seen = [&moved.p[node][0], &moved.p[node][1], &moved.h[node]];
+                    for (part, seen) in row[3 * node..].iter().zip(seen) {
+                        for lane in 0..LANES {
+                            jet.eps[lane] += part * seen.eps[lane];
+                        }
+                    }
+                }
+                if i < 2 { of_p[k][i] = jet } else { of_h[k] = jet }
+            }
+        }
+        columns_into(&moved.spread(&of_p, &of_h), 0, share, out);
+    }
+
+    /// Writes the columns of the other nodes, all of which are primary and leave the projection as it is.
+    #[inline(always)]
+    fn shifted_into(&self, view: &View<f64>, count: usize, share: f64, out: &mut [f64]) {
+        const FIRST: usize = LANES / 3;
+        let (axes, zero) = (view.frame.axes, Each([0.0; LANES]));
+        let (mut of_p, mut of_h, mut moment) = ([[zero; 2]; POINTS], [zero; POINTS], [zero; 3]);
+        for k in 0..count {
+            for i in 0..3 {
+                let (row, mut sum) = (&self.rows[3 * k + i], zero);
+                for lane in 0..3 * (count - FIRST) {
+                    let (node, a) = (FIRST + lane / 3, lane % 3);
+                    for (axis, part) in axes.iter().zip(&row[3 * node..]) {
+                        sum.0[lane] += part * axis[a];
+                    }
+                }
+                if i < 2 { of_p[k][i] = sum } else { of_h[k] = sum }
+            }
+        }
+        // A node that moves along `a` has another arm: its force `f` adds the moment `a x f`.
+        for node in FIRST..count {
+            let [x, y, h] = [0, 1, 2].map(|i| self.forces[3 * node + i]);
+            let force = [0, 1, 2].map(|i| x * axes[0][i] + y * axes[1][i] + h * axes[2][i]);
+            for a in 0..3 {
+                let (b, c) = ((a + 1) % 3, (a + 2) % 3);
+                moment[b].0[3 * (node - FIRST) + a] -= force[c];
+                moment[c].0[3 * (node - FIRST) + a] += force[b];
+            }
+        }
+        let columns = view.spread_with(&of_p, &of_h, moment);
+        for (row, each) in out.chunks_exact_mut(3 * count).zip(columns.as_flattened()) {
+            row[LANES..].iter_mut().zip(each.0).for_each(|(entry, slope)| *entry = share * slope);
+        }
+    }
+
     /// Distributes the rows and columns of the mean points to the nodes.
     #[inline(always)]
     fn fold(&mut self, view: &View<f64>) {
@@ -256,26 +313,7 @@ impl Kernel for Hessian<'_> {
         }
         stiffness.fold(view);
         let count = view.counts[0] + view.counts[1];
-        let positions = view.arms[..count].as_flattened();
-        for first in (0..positions.len()).step_by(LANES) {
-            let Some(moved) = View::new(&jets(positions, first), view.counts) else { return };
-            let zero = Jet::from(0.0);
-            let (mut of_p, mut of_h) = ([[zero; 2]; POINTS], [zero; POINTS]);
-            for k in 0..count {
-                for (i, force) in [0, 1, 2].map(|i| 3 * k + i).into_iter().enumerate() {
-                    let (row, mut jet) = (&stiffness.rows[force], Jet::from(stiffness.forces[force]));
-                    for node in 0..count {
-                        let seen = [&moved.p[node][0], &moved.p[node][1], &moved.h[node]];
-                        for (part, seen) in row[3 * node..].iter().zip(seen) {
-                            for lane in 0..LANES {
-                                jet.eps[lane] += part * seen.eps[lane];
-                            }
-                        }
-                    }
-                    if i < 2 { of_p[k][i] = jet } else { of_h[k] = jet }
-                }
-            }
-            columns_into(&moved.spread(&of_p, &of_h), first, self.share, self.out);
-        }
+        stiffness.turned_into(view, count, self.share, self.out);
+        stiffness.shifted_into(view, count, self.share, self.out);
     }
 }

@@ -35,6 +35,8 @@ pub type PerTriangle<T> = [[T; 3]; 2];
 
 /// Derivatives of a function with respect to plane coordinates and heights of the corners of both triangles.
 pub struct Forces<R> {
+    /// Integrals of the gap times the shape functions of the secondary triangle.
+    pub open: [f64; 3],
     pub of_p: PerTriangle<[R; 2]>,
     pub of_h: PerTriangle<R>,
 }
