@@ -426,10 +426,10 @@ impl Scratch {
             of_end.iter_mut().zip(at_end).for_each(|(sum, g)| *sum += weights[k] * g);
         }
         if found.has_tangent {
-            hessian.clear();
             hessian.resize(unknowns * unknowns, 0.0);
-            if let Some(middle) = middle {
-                middle.hessian_into(&pressed, band, 1.0, hessian);
+            match middle {
+                Some(middle) => middle.hessian_into(&pressed, band, 1.0, hessian),
+                None => hessian.fill(0.0),
             }
             let change = (0..CORNERS).map(|k| weights[k] * (values[k] - start.values[k])).sum();
             let function = PatchFunction { gradient_mid: of_middle, gradient_end: of_end, hessian_mid: hessian, change };

@@ -18,7 +18,8 @@
 //!
 //! `stiffness.rs` has the Hessian.
 
-use super::polygon::{Polygon, VERTICES};
+use super::clipping::VERTICES;
+use super::polygon::Polygon;
 use super::profiles::Profile;
 use super::stiffness::Hessian;
 use super::vectors::Vec3;

@@ -16,22 +16,12 @@
 
 use std::ops::Mul;
 
+use super::clipping::{Corner, VERTICES, area, clip};
 use super::closing::{Closing, Moments, Tilt};
 use super::profiles::Form;
-use super::vertices::{Forces, NODES, OfPrimary, PerTriangle, PolygonBorder, Vertex, outward, shape_gradients, sides, slope};
+use super::vertices::{Forces, NODES, OfPrimary, PerTriangle, PolygonBorder, Vertex, outward, shape_gradients, sides, slope, slope_of};
 use crate::contact::numbers::Number;
 use crate::math::tolerances::FACING_AREA;
-
-/// Largest number of corners: six for a triangle cut by three lines, plus one per cut by rounding.
-pub const VERTICES: usize = 9;
-
-/// Corner of a polygon during clipping: plane coordinates, and the border on which the edge that starts there lies.
-#[derive(Clone, Copy)]
-struct Corner<T> {
-    p: [T; 2],
-    border: PolygonBorder,
-    is_inner: bool,
-}
 
 /// Part of a primary triangle inside of a secondary one.
 #[derive(Clone)]
@@ -42,41 +32,6 @@ pub struct Polygon<T> {
     pub areas: [T; 2],
     vertices: [Vertex<T>; VERTICES],
     count: usize,
-}
-
-/// Twice the area of a triangle, positive counter-clockwise.
-#[inline(always)]
-fn area<T: Number>(a: &[T; 2], b: &[T; 2], c: &[T; 2]) -> T {
-    (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
-}
-
-/// Clips a polygon to the left of the line `border`; `side` is the position of its corners relative to the line, positive on the left, and
-/// `is_inner` tells that the line lies between two secondary triangles. Returns the new number of corners.
-#[inline(always)]
-fn clip<T: Number>(
-    old: &[Corner<T>],
-    side: &[T; VERTICES],
-    (border, is_inner): (PolygonBorder, bool),
-    new: &mut [Corner<T>; VERTICES],
-) -> usize {
-    let mut left = 0;
-    for k in 0..old.len() {
-        let next = if k + 1 == old.len() { 0 } else { k + 1 };
-        let [is_in, is_next_in] = [side[k].re() >= 0.0, side[next].re() >= 0.0];
-        if is_in && left < VERTICES {
-            new[left] = old[k];
-            left += 1;
-        }
-        if is_in != is_next_in && left < VERTICES {
-            let share = side[k] * (side[k] - side[next]).recip();
-            let (from, to) = (&old[k].p, &old[next].p);
-            new[left].p = [from[0] + share * (to[0] - from[0]), from[1] + share * (to[1] - from[1])];
-            // Where the polygon leaves the half plane, its next side lies on the line.
-            (new[left].border, new[left].is_inner) = if is_in { (border, is_inner) } else { (old[k].border, old[k].is_inner) };
-            left += 1;
-        }
-    }
-    left
 }
 
 /// Shape functions of a triangle at a point; `inverse` is 1 over twice its area.
@@ -98,6 +53,20 @@ fn along_edge<T: Copy, R: Number + Mul<T, Output = R>>(weight: [R; 2], gap: [T; 
 pub struct EdgeOwner<T> {
     side: usize,
     share: Option<T>,
+}
+
+/// Gap at a corner of a polygon, from heights at the corners of the triangles.
+#[inline(always)]
+fn gap_at<T: Number>(vertex: &Vertex<T>, [below, above]: &PerTriangle<f64>) -> T {
+    let [own, other] = [vertex.of_secondary, vertex.of_primary];
+    other[0] * above[0] + other[1] * above[1] + other[2] * above[2] - (own[0] * below[0] + own[1] * below[1] + own[2] * below[2])
+}
+
+/// Weight function at a corner of a polygon, from its values at the corners of the secondary triangle.
+#[inline(always)]
+fn weight_at<T: Number, W: Copy + Mul<T, Output = R>, R: Number>(vertex: &Vertex<T>, weights: &[W; 3]) -> R {
+    let shape = vertex.of_secondary;
+    weights[0] * shape[0] + weights[1] * shape[1] + weights[2] * shape[2]
 }
 
 /// Distributes the force of an edge, given by its coefficients at both ends, to the corners of triangle `side`.
@@ -238,10 +207,7 @@ impl<T: Number> Polygon<T> {
     pub fn gaps(&self, heights: &PerTriangle<f64>) -> [T; VERTICES] {
         let mut gaps = [T::from(0.0); VERTICES];
         for (k, vertex) in self.vertices().iter().enumerate() {
-            let [own, other] = [vertex.of_secondary, vertex.of_primary];
-            let [below, above] = heights;
-            gaps[k] = other[0] * above[0] + other[1] * above[1] + other[2] * above[2]
-                - (own[0] * below[0] + own[1] * below[1] + own[2] * below[2]);
+            gaps[k] = gap_at(vertex, heights);
         }
         gaps
     }
@@ -251,8 +217,7 @@ impl<T: Number> Polygon<T> {
     fn weights<W: Copy + Mul<T, Output = R>, R: Number>(&self, weights: &[W; 3]) -> [R; VERTICES] {
         let mut at = [R::from(0.0); VERTICES];
         for (k, vertex) in self.vertices().iter().enumerate() {
-            let shape = vertex.of_secondary;
-            at[k] = weights[0] * shape[0] + weights[1] * shape[1] + weights[2] * shape[2];
+            at[k] = weight_at(vertex, weights);
         }
         at
     }
@@ -293,15 +258,33 @@ impl<T: Number> Polygon<T> {
         if let Some((closing, moments)) = closing {
             closing.forces_into(moments, weights, &mut forces);
         }
+        self.edges_into(heights, closing, weights, band, &mut forces);
+        forces
+    }
+
+    /// Adds the forces of the edges.
+    #[inline(always)]
+    pub fn edges_into<W, R>(
+        &self,
+        heights: &PerTriangle<f64>,
+        closing: &Option<(Closing<T>, Moments<T, R>)>,
+        weights: &[W; 3],
+        band: f64,
+        forces: &mut Forces<R>,
+    ) where
+        W: Copy + Mul<T, Output = R>,
+        R: Number + Mul<T, Output = R>,
+    {
         for k in 0..self.count {
-            let (ends, [a, b]) = self.edge(k);
+            let (ends, _) = self.edge(k);
             if ends[0].is_inner && closing.is_none() {
                 continue;
             }
             let outward = outward(ends);
-            let mut edge = along_edge([weight[a], weight[b]], [gap[a], gap[b]]);
+            let weight = [weight_at(ends[0], weights), weight_at(ends[1], weights)];
+            let mut edge = along_edge(weight, [gap_at(ends[0], heights), gap_at(ends[1], heights)]);
             if let Some((closing, _)) = closing {
-                let closed = closing.along_edge(ends, [weight[a], weight[b]]);
+                let closed = closing.along_edge(ends, weight);
                 edge[0] -= closed[0];
                 edge[1] -= closed[1];
             }
@@ -315,25 +298,27 @@ impl<T: Number> Polygon<T> {
                 None => push(&mut forces.of_p[side], ends, side, outward, edge),
             }
         }
-        forces
     }
 }
 
 impl Polygon<OfPrimary> {
-    /// Takes the corners of a polygon and their derivatives. A corner of the primary triangle moves with it; where sides of both triangles
-    /// cross, the corner moves along the secondary side.
+    /// Takes the edges of a polygon, `all` or without those between triangles of one facet, and the derivatives of their ends. A corner of
+    /// the primary triangle moves with it; where sides of both triangles cross, the corner moves along the secondary side. The areas of
+    /// the triangles and of the polygon are left out.
     #[inline(always)]
-    pub fn follow(&mut self, polygon: &Polygon<f64>, places: &PerTriangle<[f64; 2]>, gradients: &PerTriangle<[f64; 2]>) {
+    pub fn follow(&mut self, polygon: &Polygon<f64>, own: &[[f64; 2]; 3], gradients: &PerTriangle<[f64; 2]>, all: bool) {
         const LANES: usize = 6;
         (self.corners, self.count) = (polygon.corners, polygon.count);
-        (self.areas[0], self.areas[1].re) = (OfPrimary::from(polygon.areas[0]), polygon.areas[1]);
-        for lane in 0..LANES {
-            self.areas[1].eps[lane] = polygon.areas[1] * gradients[1][lane / 2][lane % 2];
-        }
-        let own = sides(&places[0]);
-        let mut border = polygon.vertices[polygon.count - 1].border;
+        let (mut border, mut is_inner) = (polygon.vertices[polygon.count - 1].border, polygon.vertices[polygon.count - 1].is_inner);
         for k in 0..polygon.count {
             let (from, to) = (&polygon.vertices[k], &mut self.vertices[k]);
+            (to.border, to.is_inner) = (from.border, from.is_inner);
+            let is_left_out = !all && is_inner && from.is_inner;
+            is_inner = from.is_inner;
+            if is_left_out {
+                border = from.border;
+                continue;
+            }
             // Displacement of the corner for a displacement of the primary triangle there.
             let moved = match (border, from.border) {
                 (PolygonBorder::Secondary(_), PolygonBorder::Secondary(_)) => [[0.0; 2]; 2],
@@ -346,7 +331,6 @@ impl Polygon<OfPrimary> {
                 }
             };
             border = from.border;
-            (to.border, to.is_inner, to.fan.re) = (from.border, from.is_inner, from.fan);
             for i in 0..2 {
                 to.p[i].re = from.p[i];
                 for lane in 0..LANES {
@@ -363,9 +347,6 @@ impl Polygon<OfPrimary> {
                 }
             }
         }
-        for k in 1..polygon.count - 1 {
-            self.vertices[k].fan = area(&self.vertices[0].p, &self.vertices[k].p, &self.vertices[k + 1].p);
-        }
     }
 }
 
@@ -381,9 +362,74 @@ impl Polygon<f64> {
         (Closing::new(gradients, &tilt, forms), tilt)
     }
 
+    /// Forces of a polygon of flat triangles without those of its edges, with their derivatives. For a displacement `M_c v` of the primary
+    /// triangle `M_m` changes by `-M_c v.grad M_m`, the gap by `-M_c v.grad h_primary`, and the polygon at its primary edges by `M_c v.nu`.
+    #[inline(always)]
+    pub fn moved_forces(&self, gradients: &PerTriangle<[f64; 2]>, heights: &PerTriangle<f64>, weights: &[f64; 3]) -> Forces<OfPrimary> {
+        let (weight, gap): ([f64; VERTICES], _) = (self.weights(weights), self.gaps(heights));
+        let (of_weight, of_gap) = (self.counting(&weight), self.counting(&gap));
+        let (on_own, on_other, open) = (self.integrals(&of_weight, 0), self.integrals(&of_weight, 1), self.integrals(&of_gap, 0));
+        let weight_slope: [f64; 2] = slope_of(&gradients[0], weights);
+        let rises: [[f64; 2]; 2] = [slope_of(&gradients[0], &heights[0]), slope_of(&gradients[1], &heights[1])];
+        let mut integrals = [on_own, on_other, open].map(|of| of.map(OfPrimary::from));
+        let mut rise = rises[1].map(OfPrimary::from);
+        for j in 0..3 {
+            let mut shape = [0.0; VERTICES];
+            shape.iter_mut().zip(self.vertices()).for_each(|(shape, vertex)| *shape = vertex.of_secondary[j]);
+            let products = self.integrals(&self.counting(&shape), 1);
+            for lane in 0..6 {
+                let (c, a) = (lane / 2, lane % 2);
+                integrals[1][j].eps[lane] = -gradients[1][j][a] * on_other[c];
+                integrals[2][j].eps[lane] = -rises[1][a] * products[c];
+            }
+        }
+        for lane in 0..6 {
+            for i in 0..2 {
+                rise[i].eps[lane] = -gradients[1][lane / 2][i] * rises[1][lane % 2];
+            }
+        }
+        for k in 0..self.count {
+            let (ends, [a, b]) = self.edge(k);
+            let PolygonBorder::Primary(_) = ends[0].border else { continue };
+            let (out, weight, gap) = (outward(ends), [weight[a], weight[b]], [gap[a], gap[b]]);
+            let (mut from, mut to) = ([0.0; 6], [0.0; 6]);
+            for lane in 0..6 {
+                from[lane] = ends[0].of_primary[lane / 2] * out[lane % 2];
+                to[lane] = ends[1].of_primary[lane / 2] * out[lane % 2];
+            }
+            for j in 0..3 {
+                let own = [ends[0].of_secondary[j], ends[1].of_secondary[j]];
+                let other = [ends[0].of_primary[j], ends[1].of_primary[j]];
+                let parts = [along_edge(weight, own), along_edge(weight, other), along_edge(gap, own)];
+                for (integrals, part) in integrals.iter_mut().zip(parts) {
+                    for lane in 0..6 {
+                        integrals[j].eps[lane] += part[0] * from[lane] + part[1] * to[lane];
+                    }
+                }
+            }
+        }
+        let (zero, [on_own, on_other, open]) = (OfPrimary::from(0.0), integrals);
+        let mut forces = Forces { open: [0.0; 3], of_p: [[[zero; 2]; 3]; 2], of_h: [[zero; 3]; 2] };
+        for j in 0..3 {
+            (forces.of_h[0][j], forces.of_h[1][j]) = (-on_own[j], on_other[j]);
+            for i in 0..2 {
+                forces.of_p[0][j][i] = on_own[j] * rises[0][i] - open[j] * weight_slope[i];
+                forces.of_p[1][j][i] = -(on_other[j] * rise[i]);
+            }
+        }
+        forces
+    }
+
     /// Derivatives of the forces that pass gradually between edges within the band, with respect to the heights of the six corners and the
-    /// tilts of the height profiles.
-    pub fn passed(&self, closing: Option<&Closing<f64>>, weights: &[f64; 3], band: f64) -> [OfHeights; 12] {
+    /// tilts of the height profiles; `None` without such forces.
+    #[inline(always)]
+    pub fn passed(&self, closing: Option<&Closing<f64>>, weights: &[f64; 3], band: f64) -> Option<[OfHeights; 12]> {
+        let passes = |k: usize| !(self.vertices[k].is_inner && closing.is_none()) && self.bearer(self.edge(k).0, band).share.is_some();
+        (0..self.count).any(passes).then(|| self.passed_forces(closing, weights, band))
+    }
+
+    /// Derivatives of [`Polygon::passed`].
+    fn passed_forces(&self, closing: Option<&Closing<f64>>, weights: &[f64; 3], band: f64) -> [OfHeights; 12] {
         let mut passed = [[0.0; 9]; 12];
         let weight: [f64; VERTICES] = self.weights(weights);
         for k in 0..self.count {

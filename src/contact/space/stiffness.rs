@@ -17,7 +17,7 @@ use super::closing::Tilt;
 use super::polygon::{OfHeights, Polygon, shares};
 use super::profiles::Form;
 use super::vectors::{Jet, LANES, columns_into, jets};
-use super::vertices::{CORNERS, Forces, NODES, OfPrimary, PerTriangle, shape_gradients};
+use super::vertices::{CORNERS, Forces, NODES, OfPrimary, PerTriangle, shape_gradients, sides};
 use super::view::{POINTS, View};
 use crate::contact::numbers::{self, Each};
 use crate::math::simd::Kernel;
@@ -60,15 +60,16 @@ struct OfTilts {
 }
 
 /// Polygon whose forces are differentiated.
-struct Moved<'a> {
-    corners: &'a PerTriangle<usize>,
+struct Moved {
+    /// Columns of the plane coordinates of both triangles.
+    columns: [usize; PLACES],
     /// Gradients of the shape functions of both triangles.
     gradients: PerTriangle<[f64; 2]>,
     /// Secondary shape functions at the primary corners.
     beyond: [[f64; 3]; 3],
 }
 
-impl Moved<'_> {
+impl Moved {
     /// Derivatives of a number with respect to the plane coordinates of both triangles, secondary ones first. `place`: component of a force
     /// in the plane and both components of it.
     #[inline(always)]
@@ -101,57 +102,56 @@ impl Stiffness {
         let (places, heights) = (view.places(corners), view.heights(corners));
         let gradients = [0, 1].map(|side| shape_gradients(&places[side], polygon.areas[side]));
         let inverse = polygon.areas[0].recip();
-        let moved = Moved { corners, gradients, beyond: [0, 1, 2].map(|m| shares(&places[0], inverse, &places[1][m])) };
-        jets.follow(polygon, &places, &gradients);
-        let mut unknowns = places.map(|places| places.map(|place| place.map(OfPrimary::from)));
-        for lane in 0..6 {
-            unknowns[1][lane / 2][lane % 2].eps[lane] = 1.0;
+        let mut columns = [0; PLACES];
+        for lane in 0..PLACES {
+            columns[lane] = 3 * corners[lane / 6][lane / 2 % 3] + lane % 2;
         }
+        let moved = Moved { columns, gradients, beyond: [0, 1, 2].map(|m| shares(&places[0], inverse, &places[1][m])) };
+        jets.follow(polygon, &sides(&places[0]), &gradients, tilts.is_some());
         let plain = tilts.as_ref().map(|(_, forms)| polygon.closing(&places, &heights, *forms).0);
         let closing = plain.as_ref().map(|closing| {
-            let gradients = [gradients[0].map(|g| g.map(OfPrimary::from)), shape_gradients(&unknowns[1], jets.areas[1])];
-            (closing.with_gradients(gradients), closing.moments_with_derivatives(polygon.vertices(), &weights))
+            let mut moving = gradients.map(|of| of.map(|gradient| gradient.map(OfPrimary::from)));
+            for (k, i) in [(0, 0), (0, 1), (1, 0), (1, 1), (2, 0), (2, 1)] {
+                for lane in 0..6 {
+                    moving[1][k][i].eps[lane] = -gradients[1][lane / 2][i] * gradients[1][k][lane % 2];
+                }
+            }
+            (closing.with_gradients(moving), closing.moments_with_derivatives(polygon.vertices(), &weights))
         });
-        let Forces { of_p, of_h, .. } = jets.forces(&unknowns, &heights, &closing, &weights, *band);
+        let mut forces = polygon.moved_forces(&gradients, &heights, &weights);
+        if let Some((closing, moments)) = &closing {
+            closing.forces_into(moments, &weights, &mut forces);
+        }
+        jets.edges_into(&heights, &closing, &weights, *band, &mut forces);
+        let Forces { of_p, of_h, .. } = forces;
         for (&point, (p, h)) in corners.as_flattened().iter().zip(of_p.as_flattened().iter().zip(of_h.as_flattened())) {
             let in_plane = [p[0].re, p[1].re];
             for i in 0..2 {
                 self.forces[3 * point + i] += in_plane[i];
-                self.add_row(3 * point + i, corners, &moved.derivatives(&p[i], Some((i, in_plane))));
+                let (row, derivatives) = (&mut self.rows[3 * point + i], moved.derivatives(&p[i], Some((i, in_plane))));
+                for lane in 0..PLACES {
+                    row[columns[lane]] += derivatives[lane];
+                }
             }
             self.forces[3 * point + 2] += h.re;
-            self.add_row(3 * point + 2, corners, &moved.derivatives(h, None));
+            // Derivatives of forces in the plane with respect to a height are those of its force with respect to plane coordinates.
+            let derivatives = moved.derivatives(h, None);
+            for lane in 0..PLACES {
+                self.rows[3 * point + 2][columns[lane]] += derivatives[lane];
+                self.rows[columns[lane]][3 * point + 2] += derivatives[lane];
+            }
         }
-        let passed = if *band > 0.0 { polygon.passed(plain.as_ref(), &weights, *band) } else { [[0.0; 9]; PLACES] };
-        self.add_passed(corners, &passed);
+        let passed = polygon.passed(plain.as_ref(), &weights, *band);
+        if let Some(passed) = &passed {
+            for (&row, derivatives) in columns.iter().zip(passed) {
+                for (&point, derivative) in corners.as_flattened().iter().zip(derivatives) {
+                    self.rows[row][3 * point + 2] += derivative;
+                }
+            }
+        }
         if let (Some((tilts, _)), Some((closing, moments))) = (tilts, &closing) {
             for (k, sum) in closing.tilting(moments).iter().enumerate() {
-                tilts.add(k, sum, &moved, &passed);
-            }
-        }
-    }
-
-    /// Adds derivatives of a force with respect to the plane coordinates of the corners of both triangles, and those of forces in the plane
-    /// with respect to a height, which are equal.
-    #[inline(always)]
-    fn add_row(&mut self, row: usize, corners: &PerTriangle<usize>, derivatives: &[f64; PLACES]) {
-        let points = corners.as_flattened();
-        for lane in 0..PLACES {
-            let column = 3 * points[lane / 2] + lane % 2;
-            self.rows[row][column] += derivatives[lane];
-            if row % 3 == 2 {
-                self.rows[column][row] += derivatives[lane];
-            }
-        }
-    }
-
-    /// Adds the derivatives of forces that pass between edges with respect to heights.
-    #[inline(always)]
-    fn add_passed(&mut self, corners: &PerTriangle<usize>, passed: &[OfHeights; PLACES]) {
-        let points = corners.as_flattened();
-        for (row, derivatives) in passed.iter().enumerate() {
-            for (&point, derivative) in points.iter().zip(derivatives) {
-                self.rows[3 * points[row / 2] + row % 2][3 * point + 2] += derivative;
+                tilts.add(k, sum, &moved, passed.as_ref());
             }
         }
     }
@@ -160,7 +160,7 @@ impl Stiffness {
     #[inline(always)]
     fn add_tilts(&mut self, view: &View<f64>, triangle: [usize; 3], tilts: &OfTilts) {
         let places = triangle.map(|point| view.p[point]);
-        let sides = super::vertices::sides(&places);
+        let sides = sides(&places);
         let area = sides[0][0] * sides[1][1] - sides[0][1] * sides[1][0];
         let (mut unknowns, mut heights) = ([[OfTilt::from(0.0); 2]; 3], [OfTilt::from(0.0); 3]);
         for k in 0..3 {
@@ -198,7 +198,7 @@ impl Stiffness {
     fn turned_into(&self, view: &View<f64>, count: usize, share: f64, out: &mut [f64]) {
         let Some(moved) = View::new(&jets(view.arms[..count].as_flattened(), 0), view.counts) else { return };
         let zero = Jet::from(0.0);
-        let (mut of_p, mut of_h) = ([[zero; 2]; POINTS], [zero; POINTS]);
+        let (mut of_p, mut of_h) = ([[zero; 2]; NODES], [zero; NODES]);
         for k in 0..count {
             for (i, force) in [0, 1, 2].map(|i| 3 * k + i).into_iter().enumerate() {
                 let (row, mut jet) = (&self.rows[force], Jet::from(self.forces[force]));
@@ -221,7 +221,7 @@ impl Stiffness {
     fn shifted_into(&self, view: &View<f64>, count: usize, share: f64, out: &mut [f64]) {
         const FIRST: usize = LANES / 3;
         let (axes, zero) = (view.frame.axes, Each([0.0; LANES]));
-        let (mut of_p, mut of_h, mut moment) = ([[zero; 2]; POINTS], [zero; POINTS], [zero; 3]);
+        let (mut of_p, mut of_h, mut moment) = ([[zero; 2]; NODES], [zero; NODES], [zero; 3]);
         for k in 0..count {
             for i in 0..3 {
                 let (row, mut sum) = (&self.rows[3 * k + i], zero);
@@ -274,14 +274,14 @@ impl Stiffness {
 impl OfTilts {
     /// Adds the derivative of `Phi` of a polygon with respect to component `k` of the tilt.
     #[inline(always)]
-    fn add(&mut self, k: usize, sum: &OfPrimary, moved: &Moved, passed: &[OfHeights; PLACES]) {
+    fn add(&mut self, k: usize, sum: &OfPrimary, moved: &Moved, passed: Option<&[OfHeights; PLACES]>) {
         self.sums[k] += sum.re;
         let derivatives = moved.derivatives(sum, None);
-        let points = moved.corners.as_flattened();
         for lane in 0..PLACES {
-            let place = 3 * points[lane / 2] + lane % 2;
-            self.rows[k][place] += derivatives[lane];
-            self.passed[k][place] += passed[lane][6 + k];
+            self.rows[k][moved.columns[lane]] += derivatives[lane];
+        }
+        for (&row, derivatives) in moved.columns.iter().zip(passed.into_iter().flatten()) {
+            self.passed[k][row] += derivatives[6 + k];
         }
     }
 }

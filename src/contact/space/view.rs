@@ -140,18 +140,13 @@ impl<T: Number> View<T> {
 
     /// Transforms derivatives with respect to plane coordinates and heights to the node positions.
     #[inline(always)]
-    pub fn spread<R: Number + Mul<T, Output = R>>(&self, of_p: &[[R; 2]; POINTS], of_h: &[R; POINTS]) -> [Vec3<R>; NODES] {
+    pub fn spread<R: Number + Mul<T, Output = R>>(&self, of_p: &[[R; 2]], of_h: &[R]) -> [Vec3<R>; NODES] {
         self.spread_with(of_p, of_h, [R::from(0.0); 3])
     }
 
     /// Transforms derivatives to the node positions, with a further moment about the mean point of the secondary facet.
     #[inline(always)]
-    pub fn spread_with<R: Number + Mul<T, Output = R>>(
-        &self,
-        of_p: &[[R; 2]; POINTS],
-        of_h: &[R; POINTS],
-        mut moment: Vec3<R>,
-    ) -> [Vec3<R>; NODES] {
+    pub fn spread_with<R: Number + Mul<T, Output = R>>(&self, of_p: &[[R; 2]], of_h: &[R], mut moment: Vec3<R>) -> [Vec3<R>; NODES] {
         let FacetFrame { axes: [first, second, normal], diagonals: [c, d], length } = self.frame;
         let mut gradient = [[R::from(0.0); 3]; NODES];
         for k in 0..self.counts[0] + self.counts[1] {
