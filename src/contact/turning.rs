@@ -45,8 +45,6 @@ pub struct TurningContact {
     carried: ([f64; 3], f64),
     /// Positions at the start of the step.
     start: Vec<f64>,
-    /// Nodes of the surfaces, on which alone the inner kernel depends, in ascending order.
-    nodes: Vec<u32>,
 }
 
 /// Index of the start of the step, and of its end.
@@ -58,10 +56,7 @@ impl TurningContact {
     pub fn new(inner: Box<dyn ContactKernel>, axis: TurningAxis, reference: &[f64]) -> Self {
         let dimension = inner.patches().dimension();
         let (translations, carried) = ([[0.0; 3]; 2], ([0.0; 3], 0.0));
-        let mut nodes = [inner.secondary().nodes(), inner.primary().nodes(), inner.row_nodes()].concat();
-        nodes.sort_unstable();
-        nodes.dedup();
-        TurningContact { inner, axis, dimension, translations, angles: [0.0; 2], carried, start: reference.to_vec(), nodes }
+        TurningContact { inner, axis, dimension, translations, angles: [0.0; 2], carried, start: reference.to_vec() }
     }
 
     fn rotation(&self, time: usize) -> Rotation3<f64> {
@@ -78,12 +73,13 @@ impl TurningContact {
         Vector3::from(self.axis.center) + Vector3::from(self.translations[time])
     }
 
-    /// Applies a function to the vector of each node of the surfaces; vectors of other nodes are zero.
+    /// Applies a function to the vector of each node.
     fn each_node(&self, q: &[f64], of: impl Fn(usize, Vector3<f64>) -> Vector3<f64>) -> Vec<f64> {
         let d = self.dimension;
-        let mut out = vec![f64::NAN; q.len()];
-        for node in self.nodes.iter().map(|&node| node as usize) {
-            out[d * node..][..d].copy_from_slice(&of(node, self.node(q, node)).as_slice()[..d]);
+        let mut out = Vec::with_capacity(q.len());
+        for (node, x) in q.chunks_exact(d).enumerate() {
+            let vector = of(node, Vector3::from_fn(|i, _| if i < d { x[i] } else { 0.0 }));
+            out.extend_from_slice(&vector.as_slice()[..d]);
         }
         out
     }
