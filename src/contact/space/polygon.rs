@@ -371,12 +371,13 @@ impl Polygon<f64> {
         let (on_own, on_other, open) = (self.integrals(&of_weight, 0), self.integrals(&of_weight, 1), self.integrals(&of_gap, 0));
         let weight_slope: [f64; 2] = slope_of(&gradients[0], weights);
         let rises: [[f64; 2]; 2] = [slope_of(&gradients[0], &heights[0]), slope_of(&gradients[1], &heights[1])];
-        let mut integrals = [on_own, on_other, open].map(|of| of.map(OfPrimary::from));
-        let mut rise = rises[1].map(OfPrimary::from);
+        let mut integrals = [[OfPrimary::from(0.0); 3]; 3];
+        let mut rise = [OfPrimary::from(rises[1][0]), OfPrimary::from(rises[1][1])];
         for j in 0..3 {
             let mut shape = [0.0; VERTICES];
             shape.iter_mut().zip(self.vertices()).for_each(|(shape, vertex)| *shape = vertex.of_secondary[j]);
             let products = self.integrals(&self.counting(&shape), 1);
+            (integrals[0][j].re, integrals[1][j].re, integrals[2][j].re) = (on_own[j], on_other[j], open[j]);
             for lane in 0..6 {
                 let (c, a) = (lane / 2, lane % 2);
                 integrals[1][j].eps[lane] = -gradients[1][j][a] * on_other[c];

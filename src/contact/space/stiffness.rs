@@ -100,13 +100,16 @@ impl Stiffness {
         let Hessian { view, band, .. } = hessian;
         let (corners, weights) = (&polygon.corners, view.weights(polygon.corners[0], hessian.weights));
         let (places, heights) = (view.places(corners), view.heights(corners));
-        let gradients = [0, 1].map(|side| shape_gradients(&places[side], polygon.areas[side]));
-        let inverse = polygon.areas[0].recip();
+        let gradients = [shape_gradients(&places[0], polygon.areas[0]), shape_gradients(&places[1], polygon.areas[1])];
+        let (inverse, mut beyond) = (polygon.areas[0].recip(), [[0.0; 3]; 3]);
+        for m in 0..3 {
+            beyond[m] = shares(&places[0], inverse, &places[1][m]);
+        }
         let mut columns = [0; PLACES];
         for lane in 0..PLACES {
             columns[lane] = 3 * corners[lane / 6][lane / 2 % 3] + lane % 2;
         }
-        let moved = Moved { columns, gradients, beyond: [0, 1, 2].map(|m| shares(&places[0], inverse, &places[1][m])) };
+        let moved = Moved { columns, gradients, beyond };
         jets.follow(polygon, &sides(&places[0]), &gradients, tilts.is_some());
         let plain = tilts.as_ref().map(|(_, forms)| polygon.closing(&places, &heights, *forms).0);
         let closing = plain.as_ref().map(|closing| {
@@ -225,10 +228,11 @@ impl Stiffness {
         for k in 0..count {
             for i in 0..3 {
                 let (row, mut sum) = (&self.rows[3 * k + i], zero);
-                for lane in 0..3 * (count - FIRST) {
-                    let (node, a) = (FIRST + lane / 3, lane % 3);
-                    for (axis, part) in axes.iter().zip(&row[3 * node..]) {
-                        sum.0[lane] += part * axis[a];
+                // Entries of nodes that do not exist are zero.
+                for node in 0..NODES - FIRST {
+                    let [x, y, h] = [0, 1, 2].map(|part| row[3 * (FIRST + node) + part]);
+                    for a in 0..3 {
+                        sum.0[3 * node + a] = x * axes[0][a] + y * axes[1][a] + h * axes[2][a];
                     }
                 }
                 if i < 2 { of_p[k][i] = sum } else { of_h[k] = sum }

@@ -105,7 +105,8 @@ impl<T: Number> View<T> {
     /// Heights of the corners of both triangles.
     #[inline(always)]
     pub fn heights(&self, corners: &PerTriangle<usize>) -> PerTriangle<T> {
-        corners.map(|corners| corners.map(|point| self.h[point]))
+        let [[a, b, c], [d, e, f]] = *corners;
+        [[self.h[a], self.h[b], self.h[c]], [self.h[d], self.h[e], self.h[f]]]
     }
 
     /// Weight function `sum w_A N_A` at the corners of a secondary triangle.
