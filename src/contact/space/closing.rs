@@ -233,7 +233,11 @@ impl Closing<f64> {
     fn slopes(&self, [_, x, y]: &[f64; 3]) -> [f64; 2] {
         let (rises, e) = (self.heights[1].rises(), &self.factor);
         let (height, factor) = (self.heights[1].at([*x, *y]), e[0] + e[1] * x + e[2] * y);
-        [0, 1].map(|i| (rises[i][0] + rises[i][1] * x + rises[i][2] * y) * factor - self.tilts[i] * height)
+        let [by_x, by_y] = &rises;
+        [
+            (by_x[0] + by_x[1] * x + by_x[2] * y) * factor - self.tilts[0] * height,
+            (by_y[0] + by_y[1] * x + by_y[2] * y) * factor - self.tilts[1] * height,
+        ]
     }
 
     /// Integrals over a polygon, with derivatives with respect to the plane coordinates of the primary triangle. For a displacement `M_c v`
@@ -242,7 +246,11 @@ impl Closing<f64> {
     pub fn moments_with_derivatives(&self, vertices: &[Vertex<f64>], weights: &[f64; 3]) -> Moments<OfPrimary, OfPrimary> {
         let plain: Moments<f64, f64> = self.moments(vertices, weights);
         let Moments { own, other, closed } = &plain;
-        let mut of = Moments { own: own.map(OfPrimary::from), other: other.map(OfPrimary::from), closed: closed.map(OfPrimary::from) };
+        let zero = OfPrimary::from(0.0);
+        let mut of = Moments { own: [zero; 6], other: [zero; 10], closed: [zero; 3] };
+        of.own.iter_mut().zip(own).for_each(|(of, own)| of.re = *own);
+        of.other.iter_mut().zip(other).for_each(|(of, other)| of.re = *other);
+        of.closed.iter_mut().zip(closed).for_each(|(of, closed)| of.re = *closed);
         // Integrals of N_j M_c times the slopes of C, and of W M_c times monomials up to degree two.
         let mut of_slopes = [[[0.0; 2]; 3]; 3];
         for k in 1..vertices.len() - 1 {
@@ -258,8 +266,11 @@ impl Closing<f64> {
                 }
             }
         }
-        let raised = [0, 1].map(|axis| TIMES[axis].map(|place| other[place]));
-        let products: [[f64; 6]; 3] = [std::array::from_fn(|term| other[term] - raised[0][term] - raised[1][term]), raised[0], raised[1]];
+        let mut products = [[0.0; 6]; 3];
+        for term in 0..6 {
+            let [x, y] = [other[TIMES[0][term]], other[TIMES[1][term]]];
+            (products[0][term], products[1][term], products[2][term]) = (other[term] - x - y, x, y);
+        }
         let [_, by_x, by_y] = self.gradients[1];
         for lane in 0..6 {
             let (c, axis) = (lane / 2, lane % 2);

@@ -160,20 +160,19 @@ impl Pair<f64> {
             let corners = &polygon.corners;
             let (places, heights) = (self.view.places(corners), self.view.heights(corners));
             let weights = self.view.weights(corners[0], weights);
-            let mut tilted = None;
-            let closing = self.view.forms(corners).map(|forms| {
-                let (closing, tilt) = polygon.closing(&places, &heights, forms);
-                let moments = closing.moments(polygon.vertices(), &weights);
-                tilted = Some(tilt.forces(closing.tilting(&moments)));
-                (closing, moments)
-            });
+            // No closures, which would be compiled without the wide registers.
+            let (mut closing, mut tilted) = (None, [[R::from(0.0); 3]; 3]);
+            if let Some(forms) = self.view.forms(corners) {
+                let (profiles, tilt) = polygon.closing(&places, &heights, forms);
+                let moments = profiles.moments(polygon.vertices(), &weights);
+                tilted = tilt.forces(profiles.tilting(&moments));
+                closing = Some((profiles, moments));
+            }
             let mut forces: Forces<R> = polygon.forces(&places, &heights, &closing, &weights, band);
-            if let Some(tilted) = tilted {
-                for j in 0..3 {
-                    forces.of_p[1][j][0] += tilted[j][0];
-                    forces.of_p[1][j][1] += tilted[j][1];
-                    forces.of_h[1][j] += tilted[j][2];
-                }
+            for j in 0..3 {
+                forces.of_p[1][j][0] += tilted[j][0];
+                forces.of_p[1][j][1] += tilted[j][1];
+                forces.of_h[1][j] += tilted[j][2];
             }
             for j in 0..3 {
                 let (nodes, share) = self.view.shares(corners[0][j]);

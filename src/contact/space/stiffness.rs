@@ -111,19 +111,25 @@ impl Stiffness {
         }
         let moved = Moved { columns, gradients, beyond };
         jets.follow(polygon, &sides(&places[0]), &gradients, tilts.is_some());
-        let plain = tilts.as_ref().map(|(_, forms)| polygon.closing(&places, &heights, *forms).0);
-        let closing = plain.as_ref().map(|closing| {
-            let mut moving = gradients.map(|of| of.map(|gradient| gradient.map(OfPrimary::from)));
-            for (k, i) in [(0, 0), (0, 1), (1, 0), (1, 1), (2, 0), (2, 1)] {
-                for lane in 0..6 {
-                    moving[1][k][i].eps[lane] = -gradients[1][lane / 2][i] * gradients[1][k][lane % 2];
+        let mut forces = polygon.moved_forces(&gradients, &heights, &weights);
+        // No closures, which would be compiled without the wide registers.
+        let (mut plain, mut closing) = (None, None);
+        if let Some((_, forms)) = &tilts {
+            let mut moving = [[[OfPrimary::from(0.0); 2]; 3]; 2];
+            for k in 0..3 {
+                for i in 0..2 {
+                    (moving[0][k][i].re, moving[1][k][i].re) = (gradients[0][k][i], gradients[1][k][i]);
+                    for lane in 0..6 {
+                        moving[1][k][i].eps[lane] = -gradients[1][lane / 2][i] * gradients[1][k][lane % 2];
+                    }
                 }
             }
-            (closing.with_gradients(moving), closing.moments_with_derivatives(polygon.vertices(), &weights))
-        });
-        let mut forces = polygon.moved_forces(&gradients, &heights, &weights);
-        if let Some((closing, moments)) = &closing {
-            closing.forces_into(moments, &weights, &mut forces);
+            let (profiles, _) = polygon.closing(&places, &heights, *forms);
+            let moved = profiles.with_gradients(moving);
+            let moments = profiles.moments_with_derivatives(polygon.vertices(), &weights);
+            moved.forces_into(&moments, &weights, &mut forces);
+            plain = Some(profiles);
+            closing = Some((moved, moments));
         }
         jets.edges_into(&heights, &closing, &weights, *band, &mut forces);
         let Forces { of_p, of_h, .. } = forces;
