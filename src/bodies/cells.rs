@@ -26,7 +26,7 @@ use crate::integrators::{Derivative, Lumping};
 use crate::linear::{Block, NodeMatrix, Pattern};
 use crate::materials::Components;
 use crate::math::lanes::{Lanes, WIDTH, relabel_rows};
-use crate::math::rounds::{LEAST_CELLS_FOR_THREADS, Run, pieces, rounds};
+use crate::math::rounds::{LEAST_WORK_FOR_THREADS, Run, pieces, rounds};
 use crate::math::simd::{Kernel, dispatch};
 use crate::math::workers::Workers;
 use crate::mesh::{Block as MeshBlock, Mesh};
@@ -396,7 +396,8 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
     }
 
     fn assemble(&self, step: &Step, force: &mut [f64], mut values: Option<&mut [f64]>, workers: &Workers) -> Result<(), Inverted> {
-        let is_shared = workers.are_many() && self.cliques.len() >= LEAST_CELLS_FOR_THREADS;
+        let work = self.cliques.len() * self.cliques.first().map_or(0, |cell| cell.len() * cell.len());
+        let is_shared = workers.are_many() && work >= LEAST_WORK_FOR_THREADS;
         for round in &self.rounds {
             if !is_shared {
                 for placed in round {

@@ -15,6 +15,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use crate::math::simd::{Kernel, dispatch};
 use crate::math::tolerances::{PROJECTED_INCREMENT, REMAINDER};
 
 /// Projected increment `p` of one contact element over a step, and data of its derivative, which depend on nodal positions only.
@@ -126,38 +127,111 @@ impl<const D: usize> Projection<D> {
 
     /// `weight d Gbar / d q_1`, row by row; not symmetric.
     pub fn tangent_into(&self, weight: f64, f: &PatchFunction, out: &mut [f64]) {
-        let unknowns = self.motion.len();
         for (value, h) in out.iter_mut().zip(f.hessian_mid) {
             *value = 0.5 * weight * h;
         }
         let Some(e) = self.quotient(f.gradient_mid, f.change).filter(|_| self.inverse_square > 0.0) else { return };
-        let count = self.arms.len();
+        dispatch(Corrections { projection: self, weight, quotient: e, function: f, out });
+    }
+}
+
+/// Number of columns of a tangent that are computed together.
+const TOGETHER: usize = 12;
+
+/// Addition of the derivatives of the correction `e p`, compiled for the instruction set of the processor.
+struct Corrections<'a, const D: usize> {
+    projection: &'a Projection<D>,
+    weight: f64,
+    quotient: f64,
+    function: &'a PatchFunction<'a>,
+    out: &'a mut [f64],
+}
+
+impl<const D: usize> Kernel for Corrections<'_, D> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<const FMA: bool>(self) {
+        let Corrections { projection, weight, quotient: e, function, out } = self;
+        let (count, unknowns) = (projection.arms.len(), projection.motion.len());
         let share = 1.0 / count as f64;
-        for node in 0..count {
-            let (r, d, p) = (self.arms[node], self.centered[node], self.projected[node]);
-            for i in 0..D {
-                let unit = Vector3::ith(i, 1.0);
-                let half_turn = 0.5 * self.spin.cross(&unit);
-                let column = node * D + i;
-                let row = &f.hessian_mid[column * unknowns..(column + 1) * unknowns];
-                let bend: f64 = row.iter().zip(&self.motion).map(|(h, d)| h * d).sum();
-                let slope = f.gradient_end[column] - f.gradient_mid[column] - 0.5 * bend;
+        for first in (0..unknowns).step_by(TOGETHER) {
+            let wide = TOGETHER.min(unknowns - first);
+            let (mut change, mut turn, mut push) = ([0.0; TOGETHER], [[0.0; TOGETHER]; 3], [[0.0; TOGETHER]; 3]);
+            let bends = projection.bends(function.hessian_mid, first);
+            for c in 0..wide {
+                let (column, i) = (first + c, (first + c) % D);
+                let node = column / D;
+                let (r, d, p) = (projection.arms[node], projection.centered[node], projection.projected[node]);
+                let mut unit = Vector3::zeros();
+                unit[i] = 1.0;
+                let half_turn = cross(&projection.spin, &unit) * 0.5;
+                let slope = function.gradient_end[column] - function.gradient_mid[column] - 0.5 * bends[c];
                 // d e along this unknown; p is orthogonal to the changes of mean and rotation, which contribute nothing to the derivative
                 // of p.p / 2.
-                let de = weight * self.inverse_square * (slope - 2.0 * e * (p[i] - half_turn.dot(&p)));
-                let inertia_change = r[i] * self.spin - 0.5 * r.dot(&self.spin) * unit - 0.5 * self.spin[i] * r;
-                let turn = self.inverse_inertia * (0.5 * unit.cross(&d) + r.cross(&unit) - inertia_change);
-                let push = unit - half_turn;
-                for other in 0..count {
-                    let own = if other == node { 1.0 - share } else { -share };
-                    let dp = own * push - turn.cross(&self.arms[other]);
-                    for k in 0..D {
-                        out[(other * D + k) * unknowns + column] += self.projected[other][k] * de + weight * e * dp[k];
+                change[c] = weight * projection.inverse_square * (slope - 2.0 * e * (p[i] - dot(&half_turn, &p)));
+                let spin = &projection.spin;
+                let inertia_change = r[i] * spin - 0.5 * dot(&r, spin) * unit - 0.5 * spin[i] * r;
+                let moment = 0.5 * cross(&unit, &d) + cross(&r, &unit) - inertia_change;
+                for k in 0..3 {
+                    let row = [0, 1, 2].map(|j| projection.inverse_inertia[(k, j)]);
+                    turn[k][c] = row[0] * moment[0] + row[1] * moment[1] + row[2] * moment[2];
+                    push[k][c] = unit[k] - half_turn[k];
+                }
+            }
+            for other in 0..count {
+                let mut own = [-share; TOGETHER];
+                for c in 0..wide {
+                    if (first + c) / D == other {
+                        own[c] = 1.0 - share;
+                    }
+                }
+                let arm = &projection.arms[other];
+                for k in 0..D {
+                    let (a, b) = ((k + 1) % 3, (k + 2) % 3);
+                    let (p, mut sums) = (projection.projected[other][k], [0.0; TOGETHER]);
+                    for c in 0..TOGETHER {
+                        let dp = own[c] * push[k][c] - (turn[a][c] * arm[b] - turn[b][c] * arm[a]);
+                        sums[c] = p * change[c] + weight * e * dp;
+                    }
+                    let row = (other * D + k) * unknowns + first;
+                    for c in 0..wide {
+                        out[row + c] += sums[c];
                     }
                 }
             }
         }
     }
+}
+
+impl<const D: usize> Projection<D> {
+    /// Products of rows of a Hessian, from `first` on, with the motion of the nodes.
+    #[inline(always)]
+    fn bends(&self, hessian: &[f64], first: usize) -> [f64; TOGETHER] {
+        let unknowns = self.motion.len();
+        let mut bends = [-0.0; TOGETHER];
+        for (four, bends) in bends.chunks_exact_mut(4).enumerate() {
+            // Rows beyond the last one repeat it.
+            let rows = [0, 1, 2, 3].map(|k| &hessian[(first + 4 * four + k).min(unknowns - 1) * unknowns..][..unknowns]);
+            for j in 0..unknowns {
+                for k in 0..4 {
+                    bends[k] += rows[k][j] * self.motion[j];
+                }
+            }
+        }
+        bends
+    }
+}
+
+#[inline(always)]
+fn cross(a: &Vector3<f64>, b: &Vector3<f64>) -> Vector3<f64> {
+    let [x, y, z] = [0, 1, 2].map(|k| a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3]);
+    Vector3::new(x, y, z)
+}
+
+#[inline(always)]
+fn dot(a: &Vector3<f64>, b: &Vector3<f64>) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 /// A vector of `D` components in space.

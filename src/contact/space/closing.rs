@@ -24,8 +24,8 @@
 
 use std::ops::Mul;
 
-use super::profiles::{Form, derivatives, value};
-use super::vertices::{Forces, PerTriangle, Vertex, shape_gradients, slope_of};
+use super::profiles::{Form, derivatives};
+use super::vertices::{Forces, OfPrimary, PerTriangle, PolygonBorder, Vertex, outward, slope_of};
 use crate::contact::numbers::Number;
 
 /// Quadrature points of a triangle (area coordinates) and weights, exact to degree four (Dunavant, IJNME 21, 1985).
@@ -49,47 +49,46 @@ pub const POINTS: [([f64; 3], f64); 6] = {
 /// Three Gauss points on [0, 1] with their weights.
 const GAUSS: [(f64, f64); 3] = [(0.112_701_665_379_258_31, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.887_298_334_620_741_7, 5.0 / 18.0)];
 
-/// Height profiles of the two triangles of a polygon, in the plane of projection.
+/// Height profiles of the two triangles of a polygon, in the plane of projection, for a constant tilt.
 pub struct Closing<T> {
-    forms: OfBoth2<Form>,
     /// Gradients of the shape functions of both triangles.
     gradients: PerTriangle<[T; 2]>,
-    /// Slope `m` of the primary triangle, `1/(1 + |m|^2/2)`, and `mu`.
+    /// Height profiles, the affine function `e` in the primary shape functions, and minus its derivatives.
+    heights: [Quadratic; 2],
+    factor: [f64; 3],
+    tilts: [f64; 2],
+}
+
+/// Tilt of a primary triangle against the plane of projection.
+pub struct Tilt<T> {
+    /// Gradients of the shape functions.
+    gradients: [[T; 2]; 3],
+    /// Slope `m`, `1/(1 + |m|^2/2)`, and `mu`.
     slope: [T; 2],
     per: T,
     mu: [T; 2],
     q: [T; 3],
-    /// Differences of `2 sum_k b_ik q_k` with the coefficients `b` of the primary form.
-    tilts: [T; 2],
-    /// Height profiles, and the affine function `e`.
-    heights: [Quadratic<f64>; 2],
-    factor: [T; 3],
 }
 
-/// Pair of values: for the secondary side, then for the primary side.
-type OfBoth2<T> = [T; 2];
-
 /// Integrals over a polygon from which the forces of profiles are computed.
-struct Integrals<T, R> {
-    /// Integrals `int W N_j` and `int W M_j` times the derivatives of `B_1` and `C` with respect to the second and third shape function
-    /// minus that with respect to the first one.
-    of_slopes: [[[R; 2]; 3]; 2],
+pub struct Moments<T, R> {
+    /// Integrals of `W` times `1, x, y, x^2, x y, y^2` in the second and third shape function of the secondary triangle.
+    own: [R; 6],
+    /// Integrals of `W` times monomials up to degree three in the second and third shape function of the primary triangle.
+    other: [R; 10],
     /// Integrals `int C N_j` of the closed gap `C`.
     closed: [T; 3],
-    /// Integral `A`; `tilt`: components of `Q` along the gradients of the second and third shape function.
-    height: R,
-    tilt: [R; 2],
 }
 
 /// Polynomial of second degree in two of the shape functions of a triangle, the first of which follows: coefficients of
 /// `1, x, y, x^2, x y, y^2`.
 #[derive(Clone, Copy)]
-struct Quadratic<T>([T; 6]);
+struct Quadratic([f64; 6]);
 
 /// Places of `x` and of `y` times the terms of a [`Quadratic`] among `1, x, y, x^2, x y, y^2, x^3, x^2 y, x y^2, y^3`.
 const TIMES: [[usize; 6]; 2] = [[1, 3, 4, 6, 7, 8], [2, 4, 5, 7, 8, 9]];
 
-impl Quadratic<f64> {
+impl Quadratic {
     /// Height profile of a triangle.
     #[inline(always)]
     fn of_form(&[a, b, c, ab, bc, ca]: &Form) -> Self {
@@ -108,18 +107,16 @@ impl Quadratic<f64> {
         let c = &self.0;
         [[c[1], 2.0 * c[3], c[4]], [c[2], c[4], 2.0 * c[5]]]
     }
-}
 
-impl<T: Number> Quadratic<T> {
     /// Product of two affine functions.
     #[inline(always)]
-    fn product(a: &[f64; 3], b: &[T; 3]) -> Self {
+    fn product(a: &[f64; 3], b: &[f64; 3]) -> Self {
         Quadratic([b[0] * a[0], b[1] * a[0] + b[0] * a[1], b[2] * a[0] + b[0] * a[2], b[1] * a[1], b[2] * a[1] + b[1] * a[2], b[2] * a[2]])
     }
 
     /// Integral from moments of the terms, which are at `places`.
     #[inline(always)]
-    fn integral<R: Number + Mul<T, Output = R>, const N: usize>(&self, moments: &[R; N], places: [usize; 6]) -> R {
+    fn integral<R: Number, const N: usize>(&self, moments: &[R; N], places: [usize; 6]) -> R {
         let mut sum = moments[places[0]] * self.0[0];
         for term in 1..6 {
             sum += moments[places[term]] * self.0[term];
@@ -129,7 +126,7 @@ impl<T: Number> Quadratic<T> {
 
     /// Integrals of the polynomial times the three shape functions.
     #[inline(always)]
-    fn by_shapes<R: Number + Mul<T, Output = R>>(&self, moments: &[R; 10]) -> [R; 3] {
+    fn by_shapes<R: Number>(&self, moments: &[R; 10]) -> [R; 3] {
         let [of_x, of_y] = [self.integral(moments, TIMES[0]), self.integral(moments, TIMES[1])];
         [self.integral(moments, [0, 1, 2, 3, 4, 5]) - of_x - of_y, of_x, of_y]
     }
@@ -171,36 +168,184 @@ fn shapes<T: Number>(corners: [&Vertex<T>; 3], at: &[f64; 3]) -> PerTriangle<T> 
     shapes
 }
 
-impl<T: Number> Closing<T> {
-    /// Height profiles of the two triangles of a polygon: double areas of the triangles, plane coordinates and heights of their corners.
+/// Shape functions of both triangles on an edge, at the share `t` of its length.
+#[inline(always)]
+fn on_edge<T: Number>(ends: [&Vertex<T>; 2], t: f64) -> PerTriangle<T> {
+    shapes([ends[0], ends[1], ends[1]], &[1.0 - t, t, 0.0])
+}
+
+impl<T: Number> Tilt<T> {
+    /// Tilt of a primary triangle: gradients of its shape functions, heights of its corners.
     #[inline(always)]
-    pub fn new(areas: &[T; 2], places: &PerTriangle<[T; 2]>, heights: &PerTriangle<f64>, forms: [Form; 2]) -> Self
-    where
-        f64: Mul<T, Output = T>,
-    {
-        let gradients = [shape_gradients(&places[0], areas[0]), shape_gradients(&places[1], areas[1])];
-        let slope = slope_of(&gradients[1], &heights[1]);
+    pub fn new(gradients: [[T; 2]; 3], heights: &[T; 3]) -> Self {
+        let slope = slope_of(&gradients, heights);
         let per = (plane_product(slope, slope) * 0.5 + 1.0).recip();
         let mu = [slope[0] * per, slope[1] * per];
-        let zero = T::from(0.0);
-        let mut q = [zero; 3];
+        let mut q = [T::from(0.0); 3];
         for k in 0..3 {
-            q[k] = plane_product(mu, gradients[1][k]);
+            q[k] = plane_product(mu, gradients[k]);
         }
-        let heights = [Quadratic::of_form(&forms[0]), Quadratic::of_form(&forms[1])];
-        let ([by_x, by_y], r) = (heights[1].rises(), derivatives(&forms[1], &q));
-        let mut factor = [plane_product(mu, mu) * 0.5 + 1.0, zero, zero];
-        for term in 0..3 {
-            factor[term] += -(q[1] * by_x[term] + q[2] * by_y[term]);
-        }
-        Closing { forms, gradients, slope, per, mu, q, tilts: [r[1] - r[0], r[2] - r[0]], heights, factor }
+        Tilt { gradients, slope, per, mu, q }
     }
 
+    /// Derivatives of `Phi` by way of the tilt with respect to plane coordinates and height of the corners: `A`, and the components of `Q`
+    /// along the gradients of the second and third shape function.
+    #[inline(always)]
+    pub fn forces<R: Number + Mul<T, Output = R>>(&self, [height, first, second]: [R; 3]) -> [[R; 3]; 3] {
+        let ([_, b, c], mu) = (self.gradients, self.mu);
+        let tilt = [first * b[0] + second * c[0], first * b[1] + second * c[1]];
+        let g = [height * mu[0] + tilt[0], height * mu[1] + tilt[1]];
+        let along = plane_product(g, mu);
+        let by_slope = [g[0] * self.per - along * mu[0], g[1] * self.per - along * mu[1]];
+        let mut forces = [[R::from(0.0); 3]; 3];
+        for j in 0..3 {
+            let rise = plane_product(by_slope, self.gradients[j]);
+            forces[j][2] = -rise;
+            for i in 0..2 {
+                forces[j][i] = rise * self.slope[i] + tilt[i] * self.q[j];
+            }
+        }
+        forces
+    }
+}
+
+impl Closing<f64> {
+    /// Height profiles of the two triangles of a polygon: gradients of the shape functions of both, tilt of the primary one.
+    #[inline(always)]
+    pub fn new(gradients: PerTriangle<[f64; 2]>, tilt: &Tilt<f64>, forms: [Form; 2]) -> Self {
+        let heights = [Quadratic::of_form(&forms[0]), Quadratic::of_form(&forms[1])];
+        let ([by_x, by_y], r) = (heights[1].rises(), derivatives(&forms[1], &tilt.q));
+        let mut factor = [plane_product(tilt.mu, tilt.mu) * 0.5 + 1.0, 0.0, 0.0];
+        for term in 0..3 {
+            factor[term] -= tilt.q[1] * by_x[term] + tilt.q[2] * by_y[term];
+        }
+        Closing { gradients, heights, factor, tilts: [r[1] - r[0], r[2] - r[0]] }
+    }
+
+    /// Profiles with derivatives, for a constant tilt.
+    #[inline(always)]
+    pub fn with_gradients<T>(&self, gradients: PerTriangle<[T; 2]>) -> Closing<T> {
+        Closing { gradients, heights: self.heights, factor: self.factor, tilts: self.tilts }
+    }
+
+    /// Derivatives of the primary part of `C` with respect to the second and third shape function.
+    #[inline(always)]
+    fn slopes(&self, [_, x, y]: &[f64; 3]) -> [f64; 2] {
+        let (rises, e) = (self.heights[1].rises(), &self.factor);
+        let (height, factor) = (self.heights[1].at([*x, *y]), e[0] + e[1] * x + e[2] * y);
+        let [by_x, by_y] = &rises;
+        [
+            (by_x[0] + by_x[1] * x + by_x[2] * y) * factor - self.tilts[0] * height,
+            (by_y[0] + by_y[1] * x + by_y[2] * y) * factor - self.tilts[1] * height,
+        ]
+    }
+
+    /// Integrals over a polygon, with derivatives with respect to the plane coordinates of the primary triangle. For a displacement `M_c v`
+    /// of this triangle `M_k` changes by `-M_c v.grad M_k`, and the polygon at its primary edges by `M_c v.nu`.
+    #[inline(always)]
+    pub fn moments_with_derivatives(&self, vertices: &[Vertex<f64>], weights: &[f64; 3]) -> Moments<OfPrimary, OfPrimary> {
+        let plain: Moments<f64, f64> = self.moments(vertices, weights);
+        let Moments { own, other, closed } = &plain;
+        let zero = OfPrimary::from(0.0);
+        let mut of = Moments { own: [zero; 6], other: [zero; 10], closed: [zero; 3] };
+        of.own.iter_mut().zip(own).for_each(|(of, own)| of.re = *own);
+        of.other.iter_mut().zip(other).for_each(|(of, other)| of.re = *other);
+        of.closed.iter_mut().zip(closed).for_each(|(of, closed)| of.re = *closed);
+        // Integrals of N_j M_c times the slopes of C, and of W M_c times monomials up to degree two.
+        let mut of_slopes = [[[0.0; 2]; 3]; 3];
+        for k in 1..vertices.len() - 1 {
+            for (at, share) in &POINTS {
+                let [l, m] = shapes([&vertices[0], &vertices[k], &vertices[k + 1]], at);
+                let (area, slopes) = (vertices[k].fan * (0.5 * share), self.slopes(&m));
+                for j in 0..3 {
+                    for c in 0..3 {
+                        let part = area * l[j] * m[c];
+                        of_slopes[j][c][0] += part * slopes[0];
+                        of_slopes[j][c][1] += part * slopes[1];
+                    }
+                }
+            }
+        }
+        let mut products = [[0.0; 6]; 3];
+        for term in 0..6 {
+            let [x, y] = [other[TIMES[0][term]], other[TIMES[1][term]]];
+            (products[0][term], products[1][term], products[2][term]) = (other[term] - x - y, x, y);
+        }
+        let [_, by_x, by_y] = self.gradients[1];
+        for lane in 0..6 {
+            let (c, axis) = (lane / 2, lane % 2);
+            let ([of_1, of_x, of_y, of_xx, of_xy, of_yy], x, y) = (products[c], by_x[axis], by_y[axis]);
+            let along_x = [0.0, of_1, 0.0, 2.0 * of_x, of_y, 0.0, 3.0 * of_xx, 2.0 * of_xy, of_yy, 0.0];
+            let along_y = [0.0, 0.0, of_1, 0.0, of_x, 2.0 * of_y, 0.0, of_xx, 2.0 * of_xy, 3.0 * of_yy];
+            for term in 0..10 {
+                of.other[term].eps[lane] = -(x * along_x[term] + y * along_y[term]);
+            }
+            for j in 0..3 {
+                of.closed[j].eps[lane] = -(x * of_slopes[j][c][0] + y * of_slopes[j][c][1]);
+            }
+        }
+        for k in 0..vertices.len() {
+            if let PolygonBorder::Primary(_) = vertices[k].border {
+                self.add_edge([&vertices[k], &vertices[(k + 1) % vertices.len()]], weights, &mut of);
+            }
+        }
+        of
+    }
+
+    /// Adds the derivatives of the integrals by way of a primary edge.
+    #[inline(always)]
+    fn add_edge(&self, ends: [&Vertex<f64>; 2], weights: &[f64; 3], of: &mut Moments<OfPrimary, OfPrimary>) {
+        let outward = outward(ends);
+        for (t, share) in GAUSS {
+            let [l, m] = on_edge(ends, t);
+            let mut moved = [0.0; 6];
+            for lane in 0..6 {
+                moved[lane] = share * m[lane / 2] * outward[lane % 2];
+            }
+            let (mut own, mut other) = ([0.0; 6], [0.0; 10]);
+            let weight = weights[0] * l[0] + weights[1] * l[1] + weights[2] * l[2];
+            add_moments(&mut own, weight, [l[1], l[2]]);
+            add_moments(&mut other, weight, [m[1], m[2]]);
+            let closed = self.at(&[l, m]);
+            for lane in 0..6 {
+                for term in 0..6 {
+                    of.own[term].eps[lane] += own[term] * moved[lane];
+                }
+                for term in 0..10 {
+                    of.other[term].eps[lane] += other[term] * moved[lane];
+                }
+                for j in 0..3 {
+                    of.closed[j].eps[lane] += closed * l[j] * moved[lane];
+                }
+            }
+        }
+    }
+
+    /// Integrals of `W f dC` over an edge, as [`Closing::along_edge`], for the derivatives `dC` with respect to the tilt; integrals of
+    /// `-W dC` over the polygon are those of [`Closing::tilting`].
+    #[inline(always)]
+    pub fn along_edge_by_tilts(&self, ends: [&Vertex<f64>; 2], weight: [f64; 2]) -> [[f64; 2]; 3] {
+        let mut sums = [[0.0; 2]; 3];
+        for (t, share) in GAUSS {
+            let [_, [_, x, y]] = on_edge(ends, t);
+            let (height, rises) = (self.heights[1].at([x, y]), self.heights[1].rises());
+            let part = (weight[0] * (1.0 - t) + weight[1] * t) * height * share;
+            let [by_x, by_y] = rises.map(|of| of[0] + of[1] * x + of[2] * y);
+            for (sum, part) in sums.iter_mut().zip([-part, part * by_x, part * by_y]) {
+                sum[0] += part * (1.0 - t);
+                sum[1] += part * t;
+            }
+        }
+        sums
+    }
+}
+
+impl<T: Number> Closing<T> {
     /// Closed part `C` of the gap at a point.
     #[inline(always)]
     fn at(&self, [l, m]: &PerTriangle<T>) -> T {
         let e = &self.factor;
-        self.heights[0].at([l[1], l[2]]) + self.heights[1].at([m[1], m[2]]) * (e[1] * m[1] + e[2] * m[2] + e[0])
+        self.heights[0].at([l[1], l[2]]) + self.heights[1].at([m[1], m[2]]) * (m[1] * e[1] + m[2] * e[2] + e[0])
     }
 
     /// Integrals `int C N_j dA` over a polygon.
@@ -211,16 +356,18 @@ impl<T: Number> Closing<T> {
             for (at, share) in &POINTS {
                 let shapes = shapes([&vertices[0], &vertices[k], &vertices[k + 1]], at);
                 let part = self.at(&shapes) * (vertices[k].fan * (0.5 * share));
-                for j in 0..3 {
-                    closed[j] += part * shapes[0][j];
-                }
+                closed[0] += part;
+                closed[1] += part * shapes[0][1];
+                closed[2] += part * shapes[0][2];
             }
         }
+        closed[0] += -(closed[1] + closed[2]);
         closed
     }
 
+    /// Integrals over a polygon.
     #[inline(always)]
-    fn integrals<W, R>(&self, vertices: &[Vertex<T>], weights: &[W; 3]) -> Integrals<T, R>
+    pub fn moments<W, R>(&self, vertices: &[Vertex<T>], weights: &[W; 3]) -> Moments<T, R>
     where
         W: Copy + Mul<T, Output = R>,
         R: Number + Mul<T, Output = R>,
@@ -241,30 +388,23 @@ impl<T: Number> Closing<T> {
             }
         }
         closed[0] += -(closed[1] + closed[2]);
-        let (rises, height) = ([self.heights[0].rises(), self.heights[1].rises()], &self.heights[1].0);
-        let mut of_height = other[0] * height[0];
-        for term in 1..6 {
-            of_height += other[term] * height[term];
-        }
-        let mut sums = Integrals { of_slopes: [[[zero; 2]; 3]; 2], closed, height: of_height, tilt: [zero; 2] };
-        for i in 0..2 {
-            let [a, by_x, by_y] = rises[0][i];
-            let of = |places: [usize; 3]| own[places[0]] * a + own[places[1]] * by_x + own[places[2]] * by_y;
-            let [whole, of_x, of_y] = [of([0, 1, 2]), of([1, 3, 4]), of([2, 4, 5])];
-            let mut slope = Quadratic::product(&rises[1][i], &self.factor);
-            for term in 0..6 {
-                slope.0[term] += -(self.tilts[i] * height[term]);
-                let [a, by_x, by_y] = rises[1][i];
+        Moments { own, other, closed }
+    }
+
+    /// `A`, and the components of `Q` along the gradients of the second and third shape function, for [`Tilt::forces`].
+    #[inline(always)]
+    pub fn tilting<R: Number>(&self, other: &Moments<T, R>) -> [R; 3] {
+        let (rises, height, other) = (self.heights[1].rises(), &self.heights[1].0, &other.other);
+        let mut tilting = [R::from(0.0); 3];
+        for term in 0..6 {
+            tilting[0] += other[term] * height[term];
+            for i in 0..2 {
+                let [a, by_x, by_y] = rises[i];
                 let [x, y] = [TIMES[0][term], TIMES[1][term]];
-                sums.tilt[i] += -((other[term] * a + other[x] * by_x + other[y] * by_y) * height[term]);
-            }
-            let [own, other] = [[whole - of_x - of_y, of_x, of_y], slope.by_shapes(&other)];
-            for j in 0..3 {
-                sums.of_slopes[0][j][i] = own[j];
-                sums.of_slopes[1][j][i] = other[j];
+                tilting[1 + i] += (other[term] * a + other[x] * by_x + other[y] * by_y) * -height[term];
             }
         }
-        sums
+        tilting
     }
 
     /// Plane vector from its components along the gradients of the second and third shape function of a side.
@@ -274,32 +414,35 @@ impl<T: Number> Closing<T> {
         [parts[0] * b[0] + parts[1] * c[0], parts[0] * b[1] + parts[1] * c[1]]
     }
 
-    /// Product `(d mu/d m) g`.
+    /// Adds the forces of the profiles on a polygon for a constant tilt, without those of its edges.
     #[inline(always)]
-    fn by_slope<R: Number + Mul<T, Output = R>>(&self, g: [R; 2]) -> [R; 2] {
-        let along = plane_product(g, self.mu);
-        [g[0] * self.per - along * self.mu[0], g[1] * self.per - along * self.mu[1]]
-    }
-
-    /// Adds the forces of the profiles on a polygon, without those of its edges.
-    #[inline(always)]
-    pub fn forces_into<W, R>(&self, vertices: &[Vertex<T>], weights: &[W; 3], forces: &mut Forces<R>)
+    pub fn forces_into<W, R>(&self, moments: &Moments<T, R>, weights: &[W; 3], forces: &mut Forces<R>)
     where
         W: Copy + Mul<T, Output = R>,
         R: Number + Mul<T, Output = R>,
     {
-        let sums: Integrals<T, R> = self.integrals(vertices, weights);
         let weight_slope = slope_of(&self.gradients[0], weights);
-        let tilt = self.along(1, sums.tilt);
-        let by_mu = [sums.height * self.mu[0] + tilt[0], sums.height * self.mu[1] + tilt[1]];
-        let by_slope = self.by_slope(by_mu);
+        let mut of_slopes = [[[R::from(0.0); 2]; 3]; 2];
+        for i in 0..2 {
+            let ([a, by_x, by_y], own) = (self.heights[0].rises()[i], &moments.own);
+            let of = |places: [usize; 3]| own[places[0]] * a + own[places[1]] * by_x + own[places[2]] * by_y;
+            let [whole, of_x, of_y] = [of([0, 1, 2]), of([1, 3, 4]), of([2, 4, 5])];
+            let mut slope = Quadratic::product(&self.heights[1].rises()[i], &self.factor);
+            for term in 0..6 {
+                slope.0[term] -= self.tilts[i] * self.heights[1].0[term];
+            }
+            let [own, other] = [[whole - of_x - of_y, of_x, of_y], slope.by_shapes(&moments.other)];
+            for j in 0..3 {
+                of_slopes[0][j][i] = own[j];
+                of_slopes[1][j][i] = other[j];
+            }
+        }
         for j in 0..3 {
-            let rise = plane_product(by_slope, self.gradients[1][j]);
-            forces.of_h[1][j] -= rise;
-            let parts = [self.along(0, sums.of_slopes[0][j]), self.along(1, sums.of_slopes[1][j])];
+            let parts = [self.along(0, of_slopes[0][j]), self.along(1, of_slopes[1][j])];
+            forces.open[j] -= moments.closed[j].re();
             for i in 0..2 {
-                forces.of_p[0][j][i] += parts[0][i] + weight_slope[i] * sums.closed[j];
-                forces.of_p[1][j][i] += parts[1][i] + rise * self.slope[i] + tilt[i] * self.q[j];
+                forces.of_p[0][j][i] += parts[0][i] + weight_slope[i] * moments.closed[j];
+                forces.of_p[1][j][i] += parts[1][i];
             }
         }
     }
@@ -309,49 +452,10 @@ impl<T: Number> Closing<T> {
     pub fn along_edge<R: Number + Mul<T, Output = R>>(&self, ends: [&Vertex<T>; 2], weight: [R; 2]) -> [R; 2] {
         let mut sums = [R::from(0.0); 2];
         for (t, share) in GAUSS {
-            let shapes = shapes([ends[0], ends[1], ends[1]], &[1.0 - t, t, 0.0]);
-            let part = (weight[0] * (1.0 - t) + weight[1] * t) * (self.at(&shapes) * share);
+            let part = (weight[0] * (1.0 - t) + weight[1] * t) * (self.at(&on_edge(ends, t)) * share);
             sums[0] += part * (1.0 - t);
             sums[1] += part * t;
         }
         sums
-    }
-}
-
-impl Closing<f64> {
-    /// Derivatives of [`Closing::along_edge`] with respect to the height of a primary corner.
-    pub fn along_edge_by_height(&self, ends: [&Vertex<f64>; 2], weight: [f64; 2], corner: usize) -> [f64; 2] {
-        let moved = self.by_slope(self.gradients[1][corner]);
-        let mut sums = [0.0; 2];
-        for (t, share) in GAUSS {
-            let [_, m] = shapes([ends[0], ends[1], ends[1]], &[1.0 - t, t, 0.0]);
-            let rises = derivatives(&self.forms[1], &m);
-            let rise = slope_of(&self.gradients[1], &rises);
-            let slope = value(&rises, &m) * (plane_product(self.mu, moved) - plane_product(rise, moved));
-            let part = (weight[0] * (1.0 - t) + weight[1] * t) * slope * share;
-            sums[0] += part * (1.0 - t);
-            sums[1] += part * t;
-        }
-        sums
-    }
-
-    /// Second derivatives of `-int W C dA` with respect to the heights of the primary corners.
-    pub fn by_heights(&self, vertices: &[Vertex<f64>], weights: &[f64; 3]) -> [[f64; 3]; 3] {
-        let sums: Integrals<f64, f64> = self.integrals(vertices, weights);
-        let (tilt, [m, mu]) = (self.along(1, sums.tilt), [self.slope, self.mu]);
-        let g: [f64; 2] = std::array::from_fn(|i| sums.height * mu[i] + tilt[i]);
-        let along = plane_product(m, g);
-        // Derivative of (d mu/d m) g at constant g, plus that of g.
-        let square = self.per * self.per;
-        let of_slope = |a: usize, b: usize| {
-            let unit = if a == b { 1.0 } else { 0.0 };
-            let column = self.by_slope(std::array::from_fn(|i| if i == b { 1.0 } else { 0.0 }));
-            square * (2.0 * self.per * along * m[a] * m[b] - g[a] * m[b] - m[a] * g[b] - unit * along)
-                + sums.height * self.by_slope(column)[a]
-        };
-        let second = [[of_slope(0, 0), of_slope(0, 1)], [of_slope(1, 0), of_slope(1, 1)]];
-        let gradients = &self.gradients[1];
-        let of_pair = |k: usize, l: usize| -(0..2).map(|a| gradients[k][a] * plane_product(second[a], gradients[l])).sum::<f64>();
-        std::array::from_fn(|k| std::array::from_fn(|l| of_pair(k, l)))
     }
 }

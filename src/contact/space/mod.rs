@@ -1,5 +1,6 @@
 //! Contact in space: facets of three and four nodes, faces of second order divided into them, and rigid obstacles.
 
+mod clipping;
 mod closing;
 mod corners;
 mod corners_of_obstacles;
@@ -27,6 +28,7 @@ mod rolling;
 mod round;
 mod second_order;
 mod slip;
+mod stiffness;
 mod tied;
 mod vectors;
 mod vertices;

@@ -163,7 +163,7 @@ impl MortarInSpace {
 
     /// Pair `p` at the positions of its nodes; `None` without overlap.
     fn pair(&self, p: usize, z: &[f64]) -> Option<Pair<f64>> {
-        Some(Pair::new(z.as_chunks().0, self.counts(p)).filter(Pair::overlaps)?.curved(self.profiles(p)))
+        Some(Pair::at(z.as_chunks().0, self.counts(p)).filter(Pair::overlaps)?.curved(self.profiles(p)))
     }
 
     /// Width of the band, relative to triangle heights, within which edge forces pass gradually from one facet to the other.
@@ -214,16 +214,22 @@ impl MortarInSpace {
     }
 
     /// Sum over all participating pairs that overlap at `q` of `contribution`, per secondary node.
-    fn sum(&self, q: &[f64], contribution: impl Fn(&Pair<f64>) -> [f64; CORNERS]) -> Vec<f64> {
-        let mut z = Vec::with_capacity(UNKNOWNS);
-        let of_pair = |p: usize| {
-            if !self.search.near[p] {
-                return [0.0; CORNERS];
+    fn sum(&self, q: &[f64], contribution: impl Fn(&Pair<f64>) -> [f64; CORNERS] + Sync + Send) -> Vec<f64> {
+        let contributions = self.of_pairs(q, [0.0; CORNERS], |p, pair| self.shape(p).of(contribution(pair)));
+        self.search.summed(&self.sides, contributions.into_iter())
+    }
+
+    /// Values of all pairs at `q`; `none` for those that do not participate or overlap.
+    fn of_pairs<V: Clone + Send>(&self, q: &[f64], none: V, value: impl Fn(usize, &Pair<f64>) -> V + Sync + Send) -> Vec<V> {
+        let mut values = vec![none; self.sides.patches.len()];
+        self.workers.for_each(&mut values, SHARED, |p, of_pair| {
+            if self.search.near[p] {
+                let mut z = Vec::with_capacity(UNKNOWNS);
+                self.sides.patches.gather_into(p, q, &mut z);
+                self.pair(p, &z).iter().for_each(|pair| *of_pair = value(p, pair));
             }
-            self.sides.patches.gather_into(p, q, &mut z);
-            self.pair(p, &z).as_ref().map_or([0.0; CORNERS], |pair| self.shape(p).of(contribution(pair)))
-        };
-        self.search.summed(&self.sides, (0..self.sides.patches.len()).map(of_pair))
+        });
+        values
     }
 }
 
@@ -258,17 +264,8 @@ impl PatchFunctions for MortarInSpace {
             });
             self.duals = Some(duals);
         }
-        let mut z = Vec::with_capacity(UNKNOWNS);
-        let start = |p: usize| {
-            if !self.search.near[p] {
-                return PairStart { values: [0.0; CORNERS], overlaps: false };
-            }
-            self.sides.patches.gather_into(p, q_0, &mut z);
-            let pair = self.pair(p, &z);
-            let values = pair.as_ref().map_or([0.0; CORNERS], |pair| self.shape(p).of(pair.values()));
-            PairStart { values, overlaps: pair.is_some() }
-        };
-        self.start = (0..self.sides.patches.len()).map(start).collect();
+        let none = PairStart { values: [0.0; CORNERS], overlaps: false };
+        self.start = self.of_pairs(q_0, none, |p, pair| PairStart { values: self.shape(p).of(pair.values()), overlaps: true });
         self.q_0.clear();
         self.q_0.extend_from_slice(q_0);
     }
@@ -367,12 +364,13 @@ impl Scratch {
         let weights: [f64; CORNERS] = std::array::from_fn(|k| rows.get(k).map_or(0.0, |&row| lambda[row as usize]));
         let has_tangent = wants_tangent && weights != [0.0; CORNERS];
         let mut found = Live { pair: p, has_tangent, ..Live::default() };
-        found.end = end.as_ref().map(|end| [shape.of(end.values()), shape.of(end.covered())]);
+        let at_end = end.as_ref().map(|end| (end.gradients(0.0), end.covered()));
+        found.end = at_end.as_ref().map(|((_, values), covered)| [shape.of(*values), shape.of(*covered)]);
         let firsts = [gradient_end.len(), gradient_bar.len(), tangent.len()];
         gradient_end.resize(firsts[0] + rows.len() * unknowns, 0.0);
         gradient_bar.resize(firsts[1] + rows.len() * unknowns, 0.0);
         tangent.resize(firsts[2] + if has_tangent { unknowns * unknowns } else { 0 }, 0.0);
-        let at_end = end.as_ref().map(|end| shape.of_gradients(end.gradients(0.0)));
+        let at_end = at_end.map(|((gradients, _), _)| shape.of_gradients(gradients));
         lists_into(at_end.as_ref(), unknowns, &mut gradient_end[firsts[0]..]);
         let functions = Functions { kernel, start, shape, weights, middle, end };
         if derivative == Derivative::DiscreteGradient {
@@ -384,7 +382,7 @@ impl Scratch {
                 Configuration::End => &functions.end,
             };
             let band = kernel.band();
-            let acting = pair.as_ref().map(|pair| shape.of_gradients(pair.gradients(band)));
+            let acting = pair.as_ref().map(|pair| shape.of_gradients(pair.gradients(band).0));
             lists_into(acting.as_ref(), unknowns, &mut gradient_bar[firsts[1]..]);
             if let Some(pair) = pair.as_ref().filter(|_| has_tangent) {
                 pair.hessian_into(&shape.back(weights), band, placement.share, &mut tangent[firsts[2]..]);
@@ -407,7 +405,7 @@ impl Scratch {
             vector.clear();
             vector.resize(unknowns, 0.0);
         }
-        let in_middle = middle.as_ref().map(|middle| shape.of_gradients(middle.gradients(band)));
+        let in_middle = middle.as_ref().map(|middle| shape.of_gradients(middle.gradients(band).0));
         if kernel.correction == Correction::PerNode {
             lists_into(in_middle.as_ref(), unknowns, gradient_bar);
             for (k, bar) in gradient_bar.chunks_exact(unknowns).enumerate() {
@@ -428,10 +426,10 @@ impl Scratch {
             of_end.iter_mut().zip(at_end).for_each(|(sum, g)| *sum += weights[k] * g);
         }
         if found.has_tangent {
-            hessian.clear();
             hessian.resize(unknowns * unknowns, 0.0);
-            if let Some(middle) = middle {
-                middle.hessian_into(&pressed, band, 1.0, hessian);
+            match middle {
+                Some(middle) => middle.hessian_into(&pressed, band, 1.0, hessian),
+                None => hessian.fill(0.0),
             }
             let change = (0..CORNERS).map(|k| weights[k] * (values[k] - start.values[k])).sum();
             let function = PatchFunction { gradient_mid: of_middle, gradient_end: of_end, hessian_mid: hessian, change };

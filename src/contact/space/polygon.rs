@@ -16,21 +16,12 @@
 
 use std::ops::Mul;
 
-use super::closing::Closing;
-use super::vertices::{Forces, NODES, PerTriangle, PolygonBorder, Vertex, sides, slope};
+use super::clipping::{Corner, VERTICES, area, clip};
+use super::closing::{Closing, Moments, Tilt};
+use super::profiles::Form;
+use super::vertices::{Forces, NODES, OfPrimary, PerTriangle, PolygonBorder, Vertex, outward, shape_gradients, sides, slope, slope_of};
 use crate::contact::numbers::Number;
 use crate::math::tolerances::FACING_AREA;
-
-/// Largest number of corners: six for a triangle cut by three lines, plus one per cut by rounding.
-pub const VERTICES: usize = 9;
-
-/// Corner of a polygon during clipping: plane coordinates, and the border on which the edge that starts there lies.
-#[derive(Clone, Copy)]
-struct Corner<T> {
-    p: [T; 2],
-    border: PolygonBorder,
-    is_inner: bool,
-}
 
 /// Part of a primary triangle inside of a secondary one.
 #[derive(Clone)]
@@ -41,39 +32,6 @@ pub struct Polygon<T> {
     pub areas: [T; 2],
     vertices: [Vertex<T>; VERTICES],
     count: usize,
-}
-
-/// Twice the area of a triangle, positive counter-clockwise.
-#[inline(always)]
-fn area<T: Number>(a: &[T; 2], b: &[T; 2], c: &[T; 2]) -> T {
-    (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
-}
-
-/// Clips a polygon to the left of a line; `side` is the position of its corners relative to the line, positive on the left, and `is_inner`
-/// tells that the line lies between two secondary triangles. Returns the new number of corners.
-#[inline(always)]
-fn clip<T: Number>(old: &[Corner<T>], side: &[T; VERTICES], is_inner: bool, new: &mut [Corner<T>; VERTICES]) -> usize {
-    let mut left = 0;
-    for k in 0..old.len() {
-        let next = if k + 1 == old.len() { 0 } else { k + 1 };
-        let [is_in, is_next_in] = [side[k].re() >= 0.0, side[next].re() >= 0.0];
-        if is_in && left < VERTICES {
-            new[left] = old[k];
-            left += 1;
-        }
-        if is_in != is_next_in && left < VERTICES {
-            // A reciprocal in place of a division: numbers with derivatives are divided in this way, and plain numbers must make bitwise
-            // equal decisions.
-            let share = side[k] * (side[k] - side[next]).recip();
-            let (from, to) = (&old[k].p, &old[next].p);
-            new[left].p = [from[0] + share * (to[0] - from[0]), from[1] + share * (to[1] - from[1])];
-            // Where the polygon leaves the half plane, its next side lies on the line.
-            (new[left].border, new[left].is_inner) =
-                if is_in { (PolygonBorder::Secondary, is_inner) } else { (old[k].border, old[k].is_inner) };
-            left += 1;
-        }
-    }
-    left
 }
 
 /// Shape functions of a triangle at a point; `inverse` is 1 over twice its area.
@@ -97,10 +55,18 @@ pub struct EdgeOwner<T> {
     share: Option<T>,
 }
 
-/// Outward normal of an edge; its length is that of the edge.
+/// Gap at a corner of a polygon, from heights at the corners of the triangles.
 #[inline(always)]
-fn outward<T: Number>([a, b]: [&Vertex<T>; 2]) -> [T; 2] {
-    [b.p[1] - a.p[1], a.p[0] - b.p[0]]
+fn gap_at<T: Number>(vertex: &Vertex<T>, [below, above]: &PerTriangle<f64>) -> T {
+    let [own, other] = [vertex.of_secondary, vertex.of_primary];
+    other[0] * above[0] + other[1] * above[1] + other[2] * above[2] - (own[0] * below[0] + own[1] * below[1] + own[2] * below[2])
+}
+
+/// Weight function at a corner of a polygon, from its values at the corners of the secondary triangle.
+#[inline(always)]
+fn weight_at<T: Number, W: Copy + Mul<T, Output = R>, R: Number>(vertex: &Vertex<T>, weights: &[W; 3]) -> R {
+    let shape = vertex.of_secondary;
+    weights[0] * shape[0] + weights[1] * shape[1] + weights[2] * shape[2]
 }
 
 /// Distributes the force of an edge, given by its coefficients at both ends, to the corners of triangle `side`.
@@ -125,7 +91,7 @@ impl<T: Number> Polygon<T> {
     #[inline(always)]
     pub fn empty() -> Self {
         let zero = T::from(0.0);
-        let (border, is_inner) = (PolygonBorder::Primary, false);
+        let (border, is_inner) = (PolygonBorder::Primary(0), false);
         let vertex = Vertex { p: [zero; 2], of_secondary: [zero; 3], of_primary: [zero; 3], border, is_inner, fan: zero };
         Polygon { corners: [[0; 3]; 2], areas: [zero; 2], vertices: [vertex; VERTICES], count: 0 }
     }
@@ -141,19 +107,19 @@ impl<T: Number> Polygon<T> {
         }
         // The third corner may be the mean point of a facet, between whose triangles the second and the third side lie.
         let [on_secondary, on_primary] = [corners[0][2] >= NODES, corners[1][2] >= NODES];
-        let corner = |p: &[T; 2], is_inner: bool| Corner { p: *p, border: PolygonBorder::Primary, is_inner };
-        let mut first = [corner(m_0, false); VERTICES];
-        (first[1], first[2]) = (corner(m_1, on_primary), corner(m_2, on_primary));
+        let corner = |p: &[T; 2], side: u8, is_inner: bool| Corner { p: *p, border: PolygonBorder::Primary(side), is_inner };
+        let mut first = [corner(m_0, 0, false); VERTICES];
+        (first[1], first[2]) = (corner(m_1, 1, on_primary), corner(m_2, 2, on_primary));
         let mut second = first;
         let (mut now, mut next, mut count) = (&mut first, &mut second, 3);
-        for (from, to, is_inner) in [(s_0, s_1, false), (s_1, s_2, on_secondary), (s_2, s_0, on_secondary)] {
+        for (start, from, to, is_inner) in [(0, s_0, s_1, false), (1, s_1, s_2, on_secondary), (2, s_2, s_0, on_secondary)] {
             let (mut side, mut is_cut) = ([T::from(0.0); VERTICES], false);
             for k in 0..count {
                 side[k] = area(from, to, &now[k].p);
                 is_cut |= side[k].re() < 0.0;
             }
             if is_cut {
-                count = clip(&now[..count], &side, is_inner, next);
+                count = clip(&now[..count], &side, (PolygonBorder::Secondary(start), is_inner), next);
                 std::mem::swap(&mut now, &mut next);
             }
             if count < 3 {
@@ -189,7 +155,7 @@ impl<T: Number> Polygon<T> {
     /// than `band` times its height; half each where both coincide. This makes the forces continuous, without resultant or moment.
     #[inline(always)]
     fn bearer(&self, ends: [&Vertex<T>; 2], band: f64) -> EdgeOwner<T> {
-        let side = if ends[0].border == PolygonBorder::Secondary { 0 } else { 1 };
+        let side = if matches!(ends[0].border, PolygonBorder::Secondary(_)) { 0 } else { 1 };
         if band <= 0.0 {
             return EdgeOwner { side, share: None };
         }
@@ -241,10 +207,7 @@ impl<T: Number> Polygon<T> {
     pub fn gaps(&self, heights: &PerTriangle<f64>) -> [T; VERTICES] {
         let mut gaps = [T::from(0.0); VERTICES];
         for (k, vertex) in self.vertices().iter().enumerate() {
-            let [own, other] = [vertex.of_secondary, vertex.of_primary];
-            let [below, above] = heights;
-            gaps[k] = other[0] * above[0] + other[1] * above[1] + other[2] * above[2]
-                - (own[0] * below[0] + own[1] * below[1] + own[2] * below[2]);
+            gaps[k] = gap_at(vertex, heights);
         }
         gaps
     }
@@ -254,19 +217,19 @@ impl<T: Number> Polygon<T> {
     fn weights<W: Copy + Mul<T, Output = R>, R: Number>(&self, weights: &[W; 3]) -> [R; VERTICES] {
         let mut at = [R::from(0.0); VERTICES];
         for (k, vertex) in self.vertices().iter().enumerate() {
-            let shape = vertex.of_secondary;
-            at[k] = weights[0] * shape[0] + weights[1] * shape[1] + weights[2] * shape[2];
+            at[k] = weight_at(vertex, weights);
         }
         at
     }
 
-    /// Contribution to the derivatives of `Phi`, from plane coordinates, heights and (secondary) weights at the triangles' corners.
+    /// Contribution to the derivatives of `Phi`, from plane coordinates, heights and (secondary) weights at the triangles' corners, for a
+    /// constant tilt of the height profiles.
     #[inline(always)]
     pub fn forces<W, R>(
         &self,
         places: &PerTriangle<[T; 2]>,
         heights: &PerTriangle<f64>,
-        closing: &Option<Closing<T>>,
+        closing: &Option<(Closing<T>, Moments<T, R>)>,
         weights: &[W; 3],
         band: f64,
     ) -> Forces<R>
@@ -283,7 +246,7 @@ impl<T: Number> Polygon<T> {
         let rises: [[T; 2]; 2] = [slope(&own, inverse[0], &heights[0]), slope(&other, inverse[1], &heights[1])];
         let (on_own, on_other, open) = (self.integrals(&of_weight, 0), self.integrals(&of_weight, 1), self.integrals(&of_gap, 0));
         let zero = R::from(0.0);
-        let mut forces = Forces { of_p: [[[zero; 2]; 3]; 2], of_h: [[zero; 3]; 2] };
+        let mut forces = Forces { open: [open[0].re(), open[1].re(), open[2].re()], of_p: [[[zero; 2]; 3]; 2], of_h: [[zero; 3]; 2] };
         for j in 0..3 {
             forces.of_h[0][j] = -on_own[j];
             forces.of_h[1][j] = on_other[j];
@@ -292,18 +255,36 @@ impl<T: Number> Polygon<T> {
                 forces.of_p[1][j][i] = -(on_other[j] * rises[1][i]);
             }
         }
-        if let Some(closing) = closing {
-            closing.forces_into(self.vertices(), weights, &mut forces);
+        if let Some((closing, moments)) = closing {
+            closing.forces_into(moments, weights, &mut forces);
         }
+        self.edges_into(heights, closing, weights, band, &mut forces);
+        forces
+    }
+
+    /// Adds the forces of the edges.
+    #[inline(always)]
+    pub fn edges_into<W, R>(
+        &self,
+        heights: &PerTriangle<f64>,
+        closing: &Option<(Closing<T>, Moments<T, R>)>,
+        weights: &[W; 3],
+        band: f64,
+        forces: &mut Forces<R>,
+    ) where
+        W: Copy + Mul<T, Output = R>,
+        R: Number + Mul<T, Output = R>,
+    {
         for k in 0..self.count {
-            let (ends, [a, b]) = self.edge(k);
+            let (ends, _) = self.edge(k);
             if ends[0].is_inner && closing.is_none() {
                 continue;
             }
             let outward = outward(ends);
-            let mut edge = along_edge([weight[a], weight[b]], [gap[a], gap[b]]);
-            if let Some(closing) = closing {
-                let closed = closing.along_edge(ends, [weight[a], weight[b]]);
+            let weight = [weight_at(ends[0], weights), weight_at(ends[1], weights)];
+            let mut edge = along_edge(weight, [gap_at(ends[0], heights), gap_at(ends[1], heights)]);
+            if let Some((closing, _)) = closing {
+                let closed = closing.along_edge(ends, weight);
                 edge[0] -= closed[0];
                 edge[1] -= closed[1];
             }
@@ -317,14 +298,140 @@ impl<T: Number> Polygon<T> {
                 None => push(&mut forces.of_p[side], ends, side, outward, edge),
             }
         }
-        forces
     }
 }
 
+impl Polygon<OfPrimary> {
+    /// Takes the edges of a polygon, `all` or without those between triangles of one facet, and the derivatives of their ends. A corner of
+    /// the primary triangle moves with it; where sides of both triangles cross, the corner moves along the secondary side. The areas of
+    /// the triangles and of the polygon are left out.
+    #[inline(always)]
+    pub fn follow(&mut self, polygon: &Polygon<f64>, own: &[[f64; 2]; 3], gradients: &PerTriangle<[f64; 2]>, all: bool) {
+        const LANES: usize = 6;
+        (self.corners, self.count) = (polygon.corners, polygon.count);
+        let (mut border, mut is_inner) = (polygon.vertices[polygon.count - 1].border, polygon.vertices[polygon.count - 1].is_inner);
+        for k in 0..polygon.count {
+            let (from, to) = (&polygon.vertices[k], &mut self.vertices[k]);
+            (to.border, to.is_inner) = (from.border, from.is_inner);
+            let is_left_out = !all && is_inner && from.is_inner;
+            is_inner = from.is_inner;
+            if is_left_out {
+                border = from.border;
+                continue;
+            }
+            // Displacement of the corner for a displacement of the primary triangle there.
+            let moved = match (border, from.border) {
+                (PolygonBorder::Secondary(_), PolygonBorder::Secondary(_)) => [[0.0; 2]; 2],
+                (PolygonBorder::Primary(_), PolygonBorder::Primary(_)) => [[1.0, 0.0], [0.0, 1.0]],
+                (PolygonBorder::Secondary(on), PolygonBorder::Primary(by)) | (PolygonBorder::Primary(by), PolygonBorder::Secondary(on)) => {
+                    // The shape function of the opposite corner is zero along a side.
+                    let (along, across) = (own[(usize::from(on) + 2) % 3], gradients[1][(usize::from(by) + 2) % 3]);
+                    let inverse = (along[0] * across[0] + along[1] * across[1]).recip();
+                    along.map(|along| across.map(|across| along * across * inverse))
+                }
+            };
+            border = from.border;
+            for i in 0..2 {
+                to.p[i].re = from.p[i];
+                for lane in 0..LANES {
+                    to.p[i].eps[lane] = from.of_primary[lane / 2] * moved[i][lane % 2];
+                }
+            }
+            for j in 0..3 {
+                (to.of_secondary[j].re, to.of_primary[j].re) = (from.of_secondary[j], from.of_primary[j]);
+                for lane in 0..LANES {
+                    let (x, y) = (to.p[0].eps[lane], to.p[1].eps[lane]);
+                    to.of_secondary[j].eps[lane] = gradients[0][j][0] * x + gradients[0][j][1] * y;
+                    let [of_x, of_y] = gradients[1][j];
+                    to.of_primary[j].eps[lane] = of_x * x + of_y * y - from.of_primary[lane / 2] * gradients[1][j][lane % 2];
+                }
+            }
+        }
+    }
+}
+
+/// Derivatives of forces with respect to heights and to the tilts of the height profiles, see [`Polygon::passed`].
+pub type OfHeights = [f64; 9];
+
 impl Polygon<f64> {
-    /// Derivatives of the forces that pass gradually between edges within the band, with respect to the heights of the corners `[12 x 6]`.
-    pub fn passed(&self, closing: &Option<Closing<f64>>, weights: &[f64; 3], band: f64) -> [[f64; 6]; 12] {
-        let mut passed = [[0.0; 6]; 12];
+    /// Height profiles of both triangles, and the tilt of the primary one.
+    #[inline(always)]
+    pub fn closing(&self, places: &PerTriangle<[f64; 2]>, heights: &PerTriangle<f64>, forms: [Form; 2]) -> (Closing<f64>, Tilt<f64>) {
+        let gradients = [shape_gradients(&places[0], self.areas[0]), shape_gradients(&places[1], self.areas[1])];
+        let tilt = Tilt::new(gradients[1], &heights[1]);
+        (Closing::new(gradients, &tilt, forms), tilt)
+    }
+
+    /// Forces of a polygon of flat triangles without those of its edges, with their derivatives. For a displacement `M_c v` of the primary
+    /// triangle `M_m` changes by `-M_c v.grad M_m`, the gap by `-M_c v.grad h_primary`, and the polygon at its primary edges by `M_c v.nu`.
+    #[inline(always)]
+    pub fn moved_forces(&self, gradients: &PerTriangle<[f64; 2]>, heights: &PerTriangle<f64>, weights: &[f64; 3]) -> Forces<OfPrimary> {
+        let (weight, gap): ([f64; VERTICES], _) = (self.weights(weights), self.gaps(heights));
+        let (of_weight, of_gap) = (self.counting(&weight), self.counting(&gap));
+        let (on_own, on_other, open) = (self.integrals(&of_weight, 0), self.integrals(&of_weight, 1), self.integrals(&of_gap, 0));
+        let weight_slope: [f64; 2] = slope_of(&gradients[0], weights);
+        let rises: [[f64; 2]; 2] = [slope_of(&gradients[0], &heights[0]), slope_of(&gradients[1], &heights[1])];
+        let mut integrals = [[OfPrimary::from(0.0); 3]; 3];
+        let mut rise = [OfPrimary::from(rises[1][0]), OfPrimary::from(rises[1][1])];
+        for j in 0..3 {
+            let mut shape = [0.0; VERTICES];
+            shape.iter_mut().zip(self.vertices()).for_each(|(shape, vertex)| *shape = vertex.of_secondary[j]);
+            let products = self.integrals(&self.counting(&shape), 1);
+            (integrals[0][j].re, integrals[1][j].re, integrals[2][j].re) = (on_own[j], on_other[j], open[j]);
+            for lane in 0..6 {
+                let (c, a) = (lane / 2, lane % 2);
+                integrals[1][j].eps[lane] = -gradients[1][j][a] * on_other[c];
+                integrals[2][j].eps[lane] = -rises[1][a] * products[c];
+            }
+        }
+        for lane in 0..6 {
+            for i in 0..2 {
+                rise[i].eps[lane] = -gradients[1][lane / 2][i] * rises[1][lane % 2];
+            }
+        }
+        for k in 0..self.count {
+            let (ends, [a, b]) = self.edge(k);
+            let PolygonBorder::Primary(_) = ends[0].border else { continue };
+            let (out, weight, gap) = (outward(ends), [weight[a], weight[b]], [gap[a], gap[b]]);
+            let (mut from, mut to) = ([0.0; 6], [0.0; 6]);
+            for lane in 0..6 {
+                from[lane] = ends[0].of_primary[lane / 2] * out[lane % 2];
+                to[lane] = ends[1].of_primary[lane / 2] * out[lane % 2];
+            }
+            for j in 0..3 {
+                let own = [ends[0].of_secondary[j], ends[1].of_secondary[j]];
+                let other = [ends[0].of_primary[j], ends[1].of_primary[j]];
+                let parts = [along_edge(weight, own), along_edge(weight, other), along_edge(gap, own)];
+                for (integrals, part) in integrals.iter_mut().zip(parts) {
+                    for lane in 0..6 {
+                        integrals[j].eps[lane] += part[0] * from[lane] + part[1] * to[lane];
+                    }
+                }
+            }
+        }
+        let (zero, [on_own, on_other, open]) = (OfPrimary::from(0.0), integrals);
+        let mut forces = Forces { open: [0.0; 3], of_p: [[[zero; 2]; 3]; 2], of_h: [[zero; 3]; 2] };
+        for j in 0..3 {
+            (forces.of_h[0][j], forces.of_h[1][j]) = (-on_own[j], on_other[j]);
+            for i in 0..2 {
+                forces.of_p[0][j][i] = on_own[j] * rises[0][i] - open[j] * weight_slope[i];
+                forces.of_p[1][j][i] = -(on_other[j] * rise[i]);
+            }
+        }
+        forces
+    }
+
+    /// Derivatives of the forces that pass gradually between edges within the band, with respect to the heights of the six corners and the
+    /// tilts of the height profiles; `None` without such forces.
+    #[inline(always)]
+    pub fn passed(&self, closing: Option<&Closing<f64>>, weights: &[f64; 3], band: f64) -> Option<[OfHeights; 12]> {
+        let passes = |k: usize| !(self.vertices[k].is_inner && closing.is_none()) && self.bearer(self.edge(k).0, band).share.is_some();
+        (0..self.count).any(passes).then(|| self.passed_forces(closing, weights, band))
+    }
+
+    /// Derivatives of [`Polygon::passed`].
+    fn passed_forces(&self, closing: Option<&Closing<f64>>, weights: &[f64; 3], band: f64) -> [OfHeights; 12] {
+        let mut passed = [[0.0; 9]; 12];
         let weight: [f64; VERTICES] = self.weights(weights);
         for k in 0..self.count {
             let (ends, [a, b]) = self.edge(k);
@@ -332,13 +439,15 @@ impl Polygon<f64> {
                 continue;
             }
             let EdgeOwner { side, share: Some(share) } = self.bearer(ends, band) else { continue };
+            let weight = [weight[a], weight[b]];
+            let mut edges = [[0.0; 2]; 9];
             for (column, (from, up)) in [(0, -share), (1, share)].into_iter().flat_map(|of| [of; 3]).enumerate() {
-                let gap = ends.map(|end| up * end.shape(from)[column % 3]);
-                let mut edge = along_edge([weight[a], weight[b]], gap);
-                if let (Some(closing), 1) = (closing, from) {
-                    let closed = closing.along_edge_by_height(ends, [weight[a], weight[b]], column % 3);
-                    (0..2).for_each(|end| edge[end] -= share * closed[end]);
-                }
+                edges[column] = along_edge(weight, ends.map(|end| up * end.shape(from)[column % 3]));
+            }
+            if let Some(closing) = closing {
+                edges[6..].copy_from_slice(&closing.along_edge_by_tilts(ends, weight).map(|edge| edge.map(|part| -share * part)));
+            }
+            for (column, edge) in edges.into_iter().enumerate() {
                 for (side, edge) in [(side, edge.map(|part| -part)), (1 - side, edge)] {
                     let mut of_p = [[0.0; 2]; 3];
                     push(&mut of_p, ends, side, outward(ends), edge);

@@ -3,7 +3,7 @@
 use std::ops::Mul;
 
 use super::vectors::sub;
-use crate::contact::numbers::Number;
+use crate::contact::numbers::{Jet, Number};
 
 /// Largest number of nodes of a facet.
 pub const CORNERS: usize = 4;
@@ -23,11 +23,11 @@ pub struct Vertex<T> {
     pub fan: T,
 }
 
-/// Triangle on whose border a polygon edge lies.
+/// Triangle on whose border a polygon edge lies, and the corner at which that side of the triangle starts.
 #[derive(Clone, Copy, PartialEq)]
 pub enum PolygonBorder {
-    Secondary,
-    Primary,
+    Secondary(u8),
+    Primary(u8),
 }
 
 /// Values at the corners of both triangles, secondary first.
@@ -35,6 +35,8 @@ pub type PerTriangle<T> = [[T; 3]; 2];
 
 /// Derivatives of a function with respect to plane coordinates and heights of the corners of both triangles.
 pub struct Forces<R> {
+    /// Integrals of the gap times the shape functions of the secondary triangle.
+    pub open: [f64; 3],
     pub of_p: PerTriangle<[R; 2]>,
     pub of_h: PerTriangle<R>,
 }
@@ -45,6 +47,15 @@ impl<T: Copy> Vertex<T> {
     pub fn shape(&self, side: usize) -> &[T; 3] {
         if side == 0 { &self.of_secondary } else { &self.of_primary }
     }
+}
+
+/// Number with its derivatives with respect to the plane coordinates of a primary triangle.
+pub type OfPrimary = Jet<6>;
+
+/// Outward normal of an edge; its length is that of the edge.
+#[inline(always)]
+pub fn outward<T: Number>([a, b]: [&Vertex<T>; 2]) -> [T; 2] {
+    [b.p[1] - a.p[1], a.p[0] - b.p[0]]
 }
 
 /// Sides of a triangle opposite its corners; rotated by a right angle, over twice the area, they are the shape functions' gradients.

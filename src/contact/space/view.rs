@@ -26,6 +26,15 @@ pub struct View<T> {
     pub profiles: Option<[Profile; 2]>,
 }
 
+/// Least and largest coordinates along both plane axes.
+type Bounds = [(f64, f64); 2];
+
+/// True if two boxes are disjoint.
+#[inline(always)]
+pub fn are_apart(a: &Bounds, b: &Bounds) -> bool {
+    (0..2).any(|axis| a[axis].0 >= b[axis].1 || b[axis].0 >= a[axis].1)
+}
+
 /// Point indices of the corners of a facet's triangles. The facet's nodes start at index `first`; its mean point has the index `middle`.
 #[inline(always)]
 pub fn triangles(count: usize, first: usize, middle: usize) -> impl Iterator<Item = [usize; 3]> {
@@ -93,6 +102,13 @@ impl<T: Number> View<T> {
         [[self.p[a], self.p[b], self.p[c]], [self.p[d], self.p[e], self.p[f]]]
     }
 
+    /// Heights of the corners of both triangles.
+    #[inline(always)]
+    pub fn heights(&self, corners: &PerTriangle<usize>) -> PerTriangle<T> {
+        let [[a, b, c], [d, e, f]] = *corners;
+        [[self.h[a], self.h[b], self.h[c]], [self.h[d], self.h[e], self.h[f]]]
+    }
+
     /// Weight function `sum w_A N_A` at the corners of a secondary triangle.
     #[inline(always)]
     pub fn weights<W: Number>(&self, secondary: [usize; 3], weights: &[W; CORNERS]) -> [W; 3] {
@@ -108,7 +124,7 @@ impl<T: Number> View<T> {
 
     /// Least and largest plane coordinate of some points.
     #[inline(always)]
-    pub fn range(&self, points: impl Iterator<Item = usize>, axis: usize) -> (f64, f64) {
+    fn range(&self, points: impl Iterator<Item = usize>, axis: usize) -> (f64, f64) {
         let mut range = (f64::INFINITY, f64::NEG_INFINITY);
         for point in points {
             let at = self.p[point][axis].re();
@@ -117,24 +133,23 @@ impl<T: Number> View<T> {
         range
     }
 
-    /// True if the bounding boxes of two sets of points, one of each side, are disjoint.
+    /// Least and largest plane coordinates of some points.
     #[inline(always)]
-    pub fn are_apart(&self, secondary: impl Iterator<Item = usize> + Clone, primary: impl Iterator<Item = usize> + Clone) -> bool {
-        for axis in 0..2 {
-            let (own, other) = (self.range(secondary.clone(), axis), self.range(primary.clone(), axis));
-            if own.0 >= other.1 || other.0 >= own.1 {
-                return true;
-            }
-        }
-        false
+    pub fn bounds(&self, points: impl Iterator<Item = usize> + Clone) -> Bounds {
+        [self.range(points.clone(), 0), self.range(points, 1)]
     }
 
     /// Transforms derivatives with respect to plane coordinates and heights to the node positions.
     #[inline(always)]
-    pub fn spread<R: Number + Mul<T, Output = R>>(&self, of_p: &[[R; 2]; POINTS], of_h: &[R; POINTS]) -> [Vec3<R>; NODES] {
+    pub fn spread<R: Number + Mul<T, Output = R>>(&self, of_p: &[[R; 2]], of_h: &[R]) -> [Vec3<R>; NODES] {
+        self.spread_with(of_p, of_h, [R::from(0.0); 3])
+    }
+
+    /// Transforms derivatives to the node positions, with a further moment about the mean point of the secondary facet.
+    #[inline(always)]
+    pub fn spread_with<R: Number + Mul<T, Output = R>>(&self, of_p: &[[R; 2]], of_h: &[R], mut moment: Vec3<R>) -> [Vec3<R>; NODES] {
         let FacetFrame { axes: [first, second, normal], diagonals: [c, d], length } = self.frame;
-        let zero = R::from(0.0);
-        let (mut gradient, mut moment) = ([[zero; 3]; NODES], [zero; 3]);
+        let mut gradient = [[R::from(0.0); 3]; NODES];
         for k in 0..self.counts[0] + self.counts[1] {
             for i in 0..3 {
                 gradient[k][i] = of_p[k][0] * first[i] + of_p[k][1] * second[i] + of_h[k] * normal[i];

@@ -1,0 +1,329 @@
+//! Hessian of the weighted gaps of a facet pair in space (`pair.rs`).
+//!
+//! `Phi` of a polygon depends on twelve plane coordinates, on heights and, by way of the tilt `u` of the primary triangle, on the height
+//! profiles; it is linear in heights and tilt. Forces are differentiated with respect to the six plane coordinates of the primary triangle.
+//! `Phi` is `det A` times as large where an affine map `A` moves the corners of both triangles, and forces are `det A A^-T` times as large.
+//! The maps that move one secondary corner `j` and leave the other two, `x + v N_j(x)`, hence give the derivatives with respect to that
+//! corner from those with respect to the primary ones:
+//!
+//! ```text
+//! d F = (grad N_j.v) F - grad N_j (v.F) - sum_m N_j(m) v dF/dm         F: forces in the plane
+//! d f = (grad N_j.v) f                  - sum_m N_j(m) v df/dm         f: derivatives with respect to heights and tilt
+//! ```
+//!
+//! Derivatives of the tilt with respect to the primary triangle add the rest, and the chain rule transforms the sum to the node positions.
+
+use super::closing::Tilt;
+use super::polygon::{OfHeights, Polygon, shares};
+use super::profiles::Form;
+use super::vectors::{Jet, LANES, columns_into, jets};
+use super::vertices::{CORNERS, Forces, NODES, OfPrimary, PerTriangle, shape_gradients, sides};
+use super::view::{POINTS, View};
+use crate::contact::numbers::{self, Each};
+use crate::math::simd::Kernel;
+
+/// Computation of the Hessian of a pair, compiled for the instruction set of the processor.
+pub struct Hessian<'a> {
+    pub view: &'a View<f64>,
+    pub polygons: &'a [Polygon<f64>],
+    /// Weights of the secondary nodes.
+    pub weights: &'a [f64; CORNERS],
+    /// Width of the band in which forces pass from edge to edge.
+    pub band: f64,
+    /// Factor of the Hessian, written row-major to `out`.
+    pub share: f64,
+    pub out: &'a mut [f64],
+}
+
+/// Number of plane coordinates and heights of all points.
+const SEEN: usize = 3 * POINTS;
+
+/// Number of plane coordinates of two triangles.
+const PLACES: usize = 12;
+
+/// Number with its derivatives with respect to plane coordinates and heights of a primary triangle.
+type OfTilt = numbers::Jet<9>;
+
+/// Derivatives of forces with respect to plane coordinates and heights, and the forces.
+struct Stiffness {
+    rows: [[f64; SEEN]; SEEN],
+    forces: [f64; SEEN],
+}
+
+/// Derivatives of `Phi` with respect to the tilt of a primary triangle, summed over its polygons.
+struct OfTilts {
+    sums: [f64; 3],
+    /// Derivatives of the sums with respect to plane coordinates.
+    rows: [[f64; SEEN]; 3],
+    /// Derivatives of the forces that pass between edges with respect to the tilt.
+    passed: [[f64; SEEN]; 3],
+}
+
+/// Polygon whose forces are differentiated.
+struct Moved {
+    /// Columns of the plane coordinates of both triangles.
+    columns: [usize; PLACES],
+    /// Gradients of the shape functions of both triangles.
+    gradients: PerTriangle<[f64; 2]>,
+    /// Secondary shape functions at the primary corners.
+    beyond: [[f64; 3]; 3],
+}
+
+impl Moved {
+    /// Derivatives of a number with respect to the plane coordinates of both triangles, secondary ones first. `place`: component of a force
+    /// in the plane and both components of it.
+    #[inline(always)]
+    fn derivatives(&self, of: &OfPrimary, place: Option<(usize, [f64; 2])>) -> [f64; PLACES] {
+        let mut derivatives = [0.0; PLACES];
+        for j in 0..3 {
+            let gradient = self.gradients[0][j];
+            for a in 0..2 {
+                derivatives[6 + 2 * j + a] = of.eps[2 * j + a];
+                let mut of_map = gradient[a] * of.re;
+                if let Some((i, force)) = place {
+                    of_map -= gradient[i] * force[a];
+                }
+                for m in 0..3 {
+                    of_map -= self.beyond[m][j] * of.eps[2 * m + a];
+                }
+                derivatives[2 * j + a] = of_map;
+            }
+        }
+        derivatives
+    }
+}
+
+impl Stiffness {
+    /// Adds the contribution of a polygon, for a constant tilt of the height profiles `forms`; derivatives by the tilt to `tilts`.
+    #[inline(always)]
+    fn add(&mut self, hessian: &Hessian, polygon: &Polygon<f64>, jets: &mut Polygon<OfPrimary>, tilts: Option<(&mut OfTilts, [Form; 2])>) {
+        let Hessian { view, band, .. } = hessian;
+        let (corners, weights) = (&polygon.corners, view.weights(polygon.corners[0], hessian.weights));
+        let (places, heights) = (view.places(corners), view.heights(corners));
+        let gradients = [shape_gradients(&places[0], polygon.areas[0]), shape_gradients(&places[1], polygon.areas[1])];
+        let (inverse, mut beyond) = (polygon.areas[0].recip(), [[0.0; 3]; 3]);
+        for m in 0..3 {
+            beyond[m] = shares(&places[0], inverse, &places[1][m]);
+        }
+        let mut columns = [0; PLACES];
+        for lane in 0..PLACES {
+            columns[lane] = 3 * corners[lane / 6][lane / 2 % 3] + lane % 2;
+        }
+        let moved = Moved { columns, gradients, beyond };
+        jets.follow(polygon, &sides(&places[0]), &gradients, tilts.is_some());
+        let mut forces = polygon.moved_forces(&gradients, &heights, &weights);
+        // No closures, which would be compiled without the wide registers.
+        let (mut plain, mut closing) = (None, None);
+        if let Some((_, forms)) = &tilts {
+            let mut moving = [[[OfPrimary::from(0.0); 2]; 3]; 2];
+            for k in 0..3 {
+                for i in 0..2 {
+                    (moving[0][k][i].re, moving[1][k][i].re) = (gradients[0][k][i], gradients[1][k][i]);
+                    for lane in 0..6 {
+                        moving[1][k][i].eps[lane] = -gradients[1][lane / 2][i] * gradients[1][k][lane % 2];
+                    }
+                }
+            }
+            let (profiles, _) = polygon.closing(&places, &heights, *forms);
+            let moved = profiles.with_gradients(moving);
+            let moments = profiles.moments_with_derivatives(polygon.vertices(), &weights);
+            moved.forces_into(&moments, &weights, &mut forces);
+            plain = Some(profiles);
+            closing = Some((moved, moments));
+        }
+        jets.edges_into(&heights, &closing, &weights, *band, &mut forces);
+        let Forces { of_p, of_h, .. } = forces;
+        for (&point, (p, h)) in corners.as_flattened().iter().zip(of_p.as_flattened().iter().zip(of_h.as_flattened())) {
+            let in_plane = [p[0].re, p[1].re];
+            for i in 0..2 {
+                self.forces[3 * point + i] += in_plane[i];
+                let (row, derivatives) = (&mut self.rows[3 * point + i], moved.derivatives(&p[i], Some((i, in_plane))));
+                for lane in 0..PLACES {
+                    row[columns[lane]] += derivatives[lane];
+                }
+            }
+            self.forces[3 * point + 2] += h.re;
+            // Derivatives of forces in the plane with respect to a height are those of its force with respect to plane coordinates.
+            let derivatives = moved.derivatives(h, None);
+            for lane in 0..PLACES {
+                self.rows[3 * point + 2][columns[lane]] += derivatives[lane];
+                self.rows[columns[lane]][3 * point + 2] += derivatives[lane];
+            }
+        }
+        let passed = polygon.passed(plain.as_ref(), &weights, *band);
+        if let Some(passed) = &passed {
+            for (&row, derivatives) in columns.iter().zip(passed) {
+                for (&point, derivative) in corners.as_flattened().iter().zip(derivatives) {
+                    self.rows[row][3 * point + 2] += derivative;
+                }
+            }
+        }
+        if let (Some((tilts, _)), Some((closing, moments))) = (tilts, &closing) {
+            for (k, sum) in closing.tilting(moments).iter().enumerate() {
+                tilts.add(k, sum, &moved, passed.as_ref());
+            }
+        }
+    }
+
+    /// Adds what follows from the tilt of a primary triangle with the given corners.
+    #[inline(always)]
+    fn add_tilts(&mut self, view: &View<f64>, triangle: [usize; 3], tilts: &OfTilts) {
+        let places = triangle.map(|point| view.p[point]);
+        let sides = sides(&places);
+        let area = sides[0][0] * sides[1][1] - sides[0][1] * sides[1][0];
+        let (mut unknowns, mut heights) = ([[OfTilt::from(0.0); 2]; 3], [OfTilt::from(0.0); 3]);
+        for k in 0..3 {
+            for i in 0..2 {
+                unknowns[k][i] = OfTilt::unknown(places[k][i], Some(3 * k + i));
+            }
+            heights[k] = OfTilt::unknown(view.h[triangle[k]], Some(3 * k + 2));
+        }
+        let [a, b, c] = &unknowns;
+        let moved_area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+        let forces = Tilt::new(shape_gradients(&unknowns, moved_area), &heights).forces(tilts.sums.map(OfTilt::from));
+        let plain = Tilt::new(shape_gradients(&places, area), &triangle.map(|point| view.h[point]));
+        // Derivatives of the tilt with respect to plane coordinates and heights.
+        let of_tilt = plain.forces([0, 1, 2].map(|k| Each([0, 1, 2].map(|other| if other == k { 1.0 } else { 0.0 }))));
+        for k in 0..3 {
+            for i in 0..3 {
+                let row = 3 * triangle[k] + i;
+                let (force, Each(by)) = (forces[k][i], of_tilt[k][i]);
+                self.forces[row] += force.re;
+                for lane in 0..9 {
+                    self.rows[row][3 * triangle[lane / 3] + lane % 3] += force.eps[lane];
+                }
+                for (u, by) in by.into_iter().enumerate() {
+                    for column in 0..SEEN {
+                        self.rows[row][column] += by * tilts.rows[u][column];
+                        self.rows[column][row] += by * (tilts.rows[u][column] + tilts.passed[u][column]);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Writes the first [`LANES`] columns of the Hessian: those of the secondary nodes, with which the projection rotates.
+    #[inline(always)]
+    fn turned_into(&self, view: &View<f64>, count: usize, share: f64, out: &mut [f64]) {
+        let Some(moved) = View::new(&jets(view.arms[..count].as_flattened(), 0), view.counts) else { return };
+        let zero = Jet::from(0.0);
+        let (mut of_p, mut of_h) = ([[zero; 2]; NODES], [zero; NODES]);
+        for k in 0..count {
+            for (i, force) in [0, 1, 2].map(|i| 3 * k + i).into_iter().enumerate() {
+                let (row, mut jet) = (&self.rows[force], Jet::from(self.forces[force]));
+                for node in 0..count {
+                    let seen = [&moved.p[node][0], &moved.p[node][1], &moved.h[node]];
+                    for (part, seen) in row[3 * node..].iter().zip(seen) {
+                        for lane in 0..LANES {
+                            jet.eps[lane] += part * seen.eps[lane];
+                        }
+                    }
+                }
+                if i < 2 { of_p[k][i] = jet } else { of_h[k] = jet }
+            }
+        }
+        columns_into(&moved.spread(&of_p, &of_h), 0, share, out);
+    }
+
+    /// Writes the columns of the other nodes, all of which are primary and leave the projection as it is.
+    #[inline(always)]
+    fn shifted_into(&self, view: &View<f64>, count: usize, share: f64, out: &mut [f64]) {
+        const FIRST: usize = LANES / 3;
+        let (axes, zero) = (view.frame.axes, Each([0.0; LANES]));
+        let (mut of_p, mut of_h, mut moment) = ([[zero; 2]; NODES], [zero; NODES], [zero; 3]);
+        for k in 0..count {
+            for i in 0..3 {
+                let (row, mut sum) = (&self.rows[3 * k + i], zero);
+                // Entries of nodes that do not exist are zero.
+                for node in 0..NODES - FIRST {
+                    let [x, y, h] = [0, 1, 2].map(|part| row[3 * (FIRST + node) + part]);
+                    for a in 0..3 {
+                        sum.0[3 * node + a] = x * axes[0][a] + y * axes[1][a] + h * axes[2][a];
+                    }
+                }
+                if i < 2 { of_p[k][i] = sum } else { of_h[k] = sum }
+            }
+        }
+        // A node that moves along `a` has another arm: its force `f` adds the moment `a x f`.
+        for node in FIRST..count {
+            let [x, y, h] = [0, 1, 2].map(|i| self.forces[3 * node + i]);
+            let force = [0, 1, 2].map(|i| x * axes[0][i] + y * axes[1][i] + h * axes[2][i]);
+            for a in 0..3 {
+                let (b, c) = ((a + 1) % 3, (a + 2) % 3);
+                moment[b].0[3 * (node - FIRST) + a] -= force[c];
+                moment[c].0[3 * (node - FIRST) + a] += force[b];
+            }
+        }
+        let columns = view.spread_with(&of_p, &of_h, moment);
+        for (row, each) in out.chunks_exact_mut(3 * count).zip(columns.as_flattened()) {
+            row[LANES..].iter_mut().zip(each.0).for_each(|(entry, slope)| *entry = share * slope);
+        }
+    }
+
+    /// Distributes the rows and columns of the mean points to the nodes.
+    #[inline(always)]
+    fn fold(&mut self, view: &View<f64>) {
+        for point in [NODES, NODES + 1] {
+            let (nodes, share) = view.shares(point);
+            for node in nodes {
+                for i in 0..3 {
+                    let (to, from) = (3 * node + i, 3 * point + i);
+                    self.forces[to] += share * self.forces[from];
+                    for k in 0..SEEN {
+                        self.rows[to][k] += share * self.rows[from][k];
+                    }
+                    for k in 0..SEEN {
+                        self.rows[k][to] += share * self.rows[k][from];
+                    }
+                }
+            }
+        }
+    }
+}
+
+impl OfTilts {
+    /// Adds the derivative of `Phi` of a polygon with respect to component `k` of the tilt.
+    #[inline(always)]
+    fn add(&mut self, k: usize, sum: &OfPrimary, moved: &Moved, passed: Option<&[OfHeights; PLACES]>) {
+        self.sums[k] += sum.re;
+        let derivatives = moved.derivatives(sum, None);
+        for lane in 0..PLACES {
+            self.rows[k][moved.columns[lane]] += derivatives[lane];
+        }
+        for (&row, derivatives) in moved.columns.iter().zip(passed.into_iter().flatten()) {
+            self.passed[k][row] += derivatives[6 + k];
+        }
+    }
+}
+
+impl Kernel for Hessian<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<const FMA: bool>(self) {
+        let view = self.view;
+        let mut stiffness = Stiffness { rows: [[0.0; SEEN]; SEEN], forces: [0.0; SEEN] };
+        let mut moving = Polygon::empty();
+        if view.profiles.is_some() {
+            // Primary triangles are identified by their second corner.
+            for start in view.counts[0]..view.counts[0] + view.counts[1] {
+                let mut tilts = OfTilts { sums: [0.0; 3], rows: [[0.0; SEEN]; 3], passed: [[0.0; SEEN]; 3] };
+                let mut triangle = None;
+                for polygon in self.polygons.iter().filter(|polygon| polygon.corners[1][1] == start) {
+                    let Some(forms) = view.forms(&polygon.corners) else { continue };
+                    stiffness.add(&self, polygon, &mut moving, Some((&mut tilts, forms)));
+                    triangle = Some(polygon.corners[1]);
+                }
+                triangle.into_iter().for_each(|triangle| stiffness.add_tilts(view, triangle, &tilts));
+            }
+        } else {
+            for polygon in self.polygons {
+                stiffness.add(&self, polygon, &mut moving, None);
+            }
+        }
+        stiffness.fold(view);
+        let count = view.counts[0] + view.counts[1];
+        stiffness.turned_into(view, count, self.share, self.out);
+        stiffness.shifted_into(view, count, self.share, self.out);
+    }
+}
