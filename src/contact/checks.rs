@@ -293,8 +293,8 @@ impl Finding {
                     .into()
             }
             Finding::ConstantStrain { .. } => {
-                "use cells of second order, quadrilaterals or hexahedra, or thinner cells under the contact; the error of mean pressures is \
-                 about half as large, that of the force small"
+                "use cells of second order, quadrilaterals or hexahedra, or thinner cells under the contact; mean pressures have about \
+                 half of the error, and the force is accurate"
                     .into()
             }
             Finding::Untied { .. } => "name boundaries that lie on each other, or give a larger `reach`".into(),

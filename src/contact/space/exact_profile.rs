@@ -47,8 +47,8 @@ pub(super) fn exact_profile(height_of: impl Fn(Vector, Vector) -> Option<f64>, n
     Some(Profile::of_four(&corners, &sagittas, &Interior { middle, spokes }))
 }
 
-/// Quadratic height over a triangle with the least mean square deviation from a height, so that their integrals with all quadratic functions
-/// are equal. Heights that are equal on the sides have another mean; pressures between nonmatching meshes of triangles then have errors
+/// Quadratic height over a triangle with the least mean square deviation from a height: integrals with all quadratic functions are equal.
+/// Heights that are equal on the sides have another mean; pressures between nonmatching meshes of triangles then have errors
 /// ten times as large.
 fn projected(height: impl Fn(Vector) -> Option<f64>, corners: [Vector; 3]) -> Option<Form> {
     let (mut matrix, mut right) = (Matrix6::zeros(), Vector6::zeros());

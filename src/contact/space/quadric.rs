@@ -63,8 +63,8 @@ impl Quadric {
         None
     }
 
-    /// Coefficients `offset, x, y, xx, yy, xy` for which `z + offset + x X + y Y + (xx X^2 + yy Y^2)/2 + xy X Y + c z^2/2` is smallest at the
-    /// nodes, for the present plane and `c`, and its largest value there.
+    /// Coefficients `offset, x, y, xx, yy, xy` for which `z + offset + x X + y Y + (xx X^2 + yy Y^2)/2 + xy X Y + c z^2/2` is smallest at
+    /// the nodes, for the present plane and `c`, and its largest value there.
     fn coefficients(&self, nodes: &[Vector], size: f64) -> Option<([f64; 6], f64)> {
         let (mut matrix, mut right) = (DMatrix::zeros(nodes.len(), 6), DVector::zeros(nodes.len()));
         for (row, node) in nodes.iter().enumerate() {
