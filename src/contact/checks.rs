@@ -8,7 +8,7 @@ use rstar::primitives::GeomWithData;
 
 use super::clearance::Clearance;
 use super::polygon_fit::PolygonFit;
-use super::space::PressFit;
+use super::space::{PressFit, UnevenFit};
 use super::surface::Surface;
 use crate::math::digits::three_digits;
 use crate::math::norms::length;
@@ -111,14 +111,25 @@ pub enum Finding {
         /// Interference, and the height of the curves missing in flat facets.
         of: PressFit,
     },
-    /// Curves in space that deviate from their height profiles, on nonmatching meshes, by too much for the interference of the press fit.
+    /// Press fit in space whose overlap differs too much from node to node, because curves deviate from their height profiles.
     UnevenFit {
         /// Name of the secondary surface.
         secondary: String,
         /// Name of the primary surface.
         primary: String,
-        /// Interference, and the deviation of the curves from their profiles.
-        of: PressFit,
+        /// Interference, and its deviations.
+        of: UnevenFit,
+    },
+    /// Press fit of cells of constant strain that are too thick for the curvature of the contact.
+    ConstantStrain {
+        /// Name of the secondary surface.
+        secondary: String,
+        /// Name of the primary surface.
+        primary: String,
+        /// Mean thickness of the cells under the contact `[length]`.
+        thickness: f64,
+        /// Expected relative error of nodal pressures.
+        error: f64,
     },
     /// Secondary nodes of a tie without an opposite primary point.
     Untied {
@@ -190,9 +201,28 @@ impl std::fmt::Display for Finding {
                 100.0 * lost.abs() / interference,
                 if *lost > 0.0 { "loose" } else { "tight" }
             ),
-            Finding::CoarseFit { secondary, primary, of } | Finding::UnevenFit { secondary, primary, of } => {
-                write!(out, "{}", self.press_fit([secondary, primary], of))
-            }
+            Finding::CoarseFit { secondary, primary, of: PressFit { interference, missed, .. } } => write!(
+                out,
+                "facets of \"{secondary}\" and \"{primary}\" are too coarse for their press fit: curves through their nodes overlap by {}, \
+                 and rise {} above facets that are taken for straight, because they turn by more than 25 degrees or by option",
+                three_digits(*interference),
+                three_digits(*missed)
+            ),
+            Finding::UnevenFit { secondary, primary, of: UnevenFit { interference, deviation, pressure_error } } => write!(
+                out,
+                "nodal pressures between \"{secondary}\" and \"{primary}\" have errors of about {:.0} %: their facets do not match, and \
+                 follow their curves so that they overlap by {}, but from node to node by {} more or less",
+                100.0 * pressure_error,
+                three_digits(*interference),
+                three_digits(*deviation)
+            ),
+            Finding::ConstantStrain { secondary, primary, thickness, error } => write!(
+                out,
+                "nodal pressures between \"{secondary}\" and \"{primary}\" have errors of about {:.0} %, on matching meshes, too: their \
+                 cells have constant strains, and are {} thick under a curved contact",
+                100.0 * error,
+                three_digits(*thickness)
+            ),
             Finding::Untied { nodes, of, reach, .. } => {
                 let many = if nodes == of {
                     format!("none of the {of} nodes has anything")
@@ -206,26 +236,6 @@ impl std::fmt::Display for Finding {
 }
 
 impl Finding {
-    /// Message text about a press fit in space between two sides.
-    fn press_fit(&self, [secondary, primary]: [&String; 2], of: &PressFit) -> String {
-        let PressFit { interference, missed, deviation, .. } = *of;
-        if matches!(self, Finding::UnevenFit { .. }) {
-            return format!(
-                "nodal pressures between \"{secondary}\" and \"{primary}\" have errors of about {:.0} %: their facets do not match, and \
-                 follow their curves to {}, which overlap by {}",
-                100.0 * of.pressure_error(),
-                three_digits(deviation),
-                three_digits(interference)
-            );
-        }
-        format!(
-            "facets of \"{secondary}\" and \"{primary}\" are too coarse for their press fit: curves through their nodes overlap by {}, and \
-             rise {} above facets that are taken for straight, because they turn by more than 25 degrees or by option",
-            three_digits(interference),
-            three_digits(missed)
-        )
-    }
-
     /// Stable message code, which `conserva doc` explains.
     pub fn code(&self) -> &'static str {
         match self {
@@ -238,6 +248,7 @@ impl Finding {
             Finding::DistortedFit { .. } => "C0406",
             Finding::CoarseFit { .. } => "C0407",
             Finding::UnevenFit { .. } => "C0409",
+            Finding::ConstantStrain { .. } => "C0410",
             Finding::Untied { .. } => "C0408",
         }
     }
@@ -279,6 +290,11 @@ impl Finding {
             Finding::UnevenFit { .. } => {
                 "make facets half as long, which follow the curve sixteen times as closely, use matching meshes, or make the coarser side \
                  the secondary one"
+                    .into()
+            }
+            Finding::ConstantStrain { .. } => {
+                "use cells of second order, quadrilaterals or hexahedra, or thinner cells under the contact; mean pressures have about \
+                 half of the error, and the force is accurate"
                     .into()
             }
             Finding::Untied { .. } => "name boundaries that lie on each other, or give a larger `reach`".into(),

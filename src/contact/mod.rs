@@ -87,7 +87,7 @@ pub use node_to_segment::{NODE_TO_SEGMENT, NodeToSegment};
 pub use patches::{Evaluation, Patches};
 pub use placement::{ObstaclePlacement, TurningAxis};
 pub use points::{DrivenFunction, PointConstraints, PointFunction, PointVector};
-pub use polygon_fit::{PolygonFit, polygon_fit};
+pub use polygon_fit::{PolygonFit, constant_strain_error, polygon_fit};
 pub use profile::Profile;
 pub use quadratic::{ProxyNodes, ProxySurfaces, RowsOf};
 pub use rigid::RigidContact;
@@ -100,7 +100,8 @@ pub use search::{Candidates, PairSearch};
 pub use slip::SlipStep;
 pub use solid::{HullPenetration, Solid};
 pub use space::{
-    CornersInSpace, Facets, FacetsError, Mending, ObstacleInSpace, PressFit, ProxySurfacesInSpace, RigidInSpace, RoundInSpace, press_fit,
+    CornersInSpace, Facets, FacetsError, Mending, ObstacleInSpace, PressFit, ProxySurfacesInSpace, RigidInSpace, RoundInSpace, UnevenFit,
+    press_fit, uneven_fit,
 };
 pub use surface::{Edge, Sides, Surface};
 pub use tie::Tie;

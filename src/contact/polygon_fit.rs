@@ -35,6 +35,16 @@ const BESIDE: f64 = 0.1;
 /// Smallest number of facets with opposite nodes for which a fit of curves is assessed.
 pub(super) const FEW: usize = 3;
 
+/// Relative error of nodal pressures (root mean square) of cells of constant strain, per ratio of their thickness to the radius of the
+/// contact. Measured: 0.5 to 2.2 in fits of rings of `tri3` and 2 in fits of tubes of `tet4`, with four and eight cells across the wall, on
+/// matching and other meshes (`docs/tasks/press-fits.md`).
+const OF_CONSTANT_STRAIN: f64 = 2.0;
+
+/// Expected relative error of nodal pressures between cells of constant strain under a curved contact, if it exceeds `DISTORTED`.
+pub fn constant_strain_error(thickness: f64, curvature: f64) -> Option<f64> {
+    Some(OF_CONSTANT_STRAIN * thickness * curvature).filter(|error| *error > DISTORTED)
+}
+
 /// Press fit between polygons on matching curves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PolygonFit {
@@ -44,6 +54,8 @@ pub struct PolygonFit {
     pub sagitta: f64,
     /// Mean interference lost by the facets, negative if the facets overlap more than the curves `[length]`.
     pub lost: f64,
+    /// Mean curvature of the secondary curve `[1/length]`.
+    pub curvature: f64,
 }
 
 impl PolygonFit {
@@ -89,13 +101,14 @@ pub fn polygon_fit(secondary: &Surface, primary: &Surface, q: &[f64], facets: Fa
     let middles = others.iter().flatten().map(|arc| GeomWithData::new([0, 1].map(|i| arc.from[i] + 0.5 * arc.length * arc.along[i]), arc));
     let tree = RTree::bulk_load(middles.collect());
     let mut overlaps = Vec::new();
-    let mut sagittas = [0.0; 2];
+    let (mut sagittas, mut curvature) = ([0.0; 2], 0.0);
     for (facet, arc) in own.iter().enumerate() {
         let Some(arc) = arc else { continue };
         let x = at(secondary.facets()[facet][0]);
         let Some((other, s, gap)) = opposite(x, arc, &tree) else { continue };
         if fit_each_other([arc, other].map(|arc| arc.turn / arc.length)) {
             overlaps.push(other.rise(s) - gap);
+            curvature += (arc.turn / arc.length).abs();
             [arc, other].iter().zip(&mut sagittas).for_each(|(arc, sum)| *sum += arc.neglected_sagitta());
         }
     }
@@ -103,7 +116,7 @@ pub fn polygon_fit(secondary: &Surface, primary: &Surface, q: &[f64], facets: Fa
     let interference = overlaps.iter().sum::<f64>() / count;
     let sagitta = sagittas[0].abs().max(sagittas[1].abs()) / count;
     let lost = (sagittas[0] + sagittas[1]) * 2.0 / (3.0 * count);
-    (overlaps.len() >= FEW && interference > 0.0).then_some(PolygonFit { interference, sagitta, lost })
+    (overlaps.len() >= FEW && interference > 0.0).then_some(PolygonFit { interference, sagitta, lost, curvature: curvature / count })
 }
 
 /// Arcs represented by the facets of a surface; `None` for facets that do not follow a curve.

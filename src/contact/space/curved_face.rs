@@ -47,6 +47,18 @@ pub fn corner_normals(face: &[u32], q: &[f64]) -> Vec<Option<[Vector; 4]>> {
     pieces.iter().map(of_piece).collect()
 }
 
+/// Center of a face of eight or nine nodes by the serendipity interpolation of the other nodes.
+fn of_edges(face: &[u32], q: &[f64]) -> Vector {
+    let sum = |nodes: &[u32]| nodes.iter().map(|&node| faces::at(node, q)).sum::<Vector>();
+    0.5 * sum(&face[4..8]) - 0.25 * sum(&face[..4])
+}
+
+/// True for a face of nine nodes whose center does not follow from the other nodes.
+pub fn has_own_center(face: &[u32], q: &[f64]) -> bool {
+    let diagonal = (faces::at(face[2], q) - faces::at(face[0], q)).norm();
+    face.get(8).is_some_and(|&ninth| (faces::at(ninth, q) - of_edges(face, q)).norm() > STRAIGHT * diagonal)
+}
+
 /// Center of the surface through the nodes of a face of eight or nine nodes: the ninth node, unless it is the center of the serendipity
 /// interpolation of the eight others, which is then corrected.
 ///
@@ -54,15 +66,12 @@ pub fn corner_normals(face: &[u32], q: &[f64]) -> Vec<Option<[Vector; 4]>> {
 /// surfaces of constant curvature (spheres, cylinders) have the height `z = -Q (1 + |grad Q|^2/4)` up to the fourth degree, `Q` quadratic
 /// in `X`. At the center `z` is zero, but its serendipity interpolation is not: this error is subtracted.
 pub fn center(face: &[u32], q: &[f64]) -> Vector {
+    if has_own_center(face, q) {
+        return faces::at(face[8], q);
+    }
     let at = |k: usize| faces::at(face[k], q);
     let (corners, middles) = ([0, 1, 2, 3].map(at), [4, 5, 6, 7].map(at));
-    let place = 0.5 * middles.iter().sum::<Vector>() - 0.25 * corners.iter().sum::<Vector>();
-    let diagonal = corners[2] - corners[0];
-    if let Some(&ninth) = face.get(8)
-        && (faces::at(ninth, q) - place).norm() > STRAIGHT * diagonal.norm()
-    {
-        return faces::at(ninth, q);
-    }
+    let (place, diagonal) = (of_edges(face, q), corners[2] - corners[0]);
     let Some(normal) = diagonal.cross(&(corners[3] - corners[1])).try_normalize(0.0) else { return place };
     let first = (diagonal - normal * normal.dot(&diagonal)).normalize();
     let in_plane = |x: Vector| Vector2::new(first.dot(&x), normal.cross(&first).dot(&x));

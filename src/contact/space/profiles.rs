@@ -91,8 +91,13 @@ impl Profile {
 
     /// Profile of a facet of three nodes.
     pub fn of_three(corners: [f64; 3], sagittas: [f64; 3]) -> Self {
+        Self::of_form(form(corners, sagittas))
+    }
+
+    /// Profile of a facet of three nodes with this height.
+    pub fn of_form(form: Form) -> Self {
         let mut profile = Profile { forms: [[0.0; 6]; 4], is_curved: true };
-        profile.forms[0] = form(corners, sagittas);
+        profile.forms[0] = form;
         profile
     }
 
@@ -163,16 +168,11 @@ pub struct NodalRows {
     pub profiles: Vec<Profile>,
 }
 
-/// Deviation of a circular arc from the parabola with the same ends and mean height, divided by the arc's length and the cube of its angle.
-const DEVIATION: f64 = 1.0 / 640.0;
-
-/// Mean heights of the curved surface over its facets, and deviations from quadratic heights.
+/// Mean heights of the curved surface over its facets.
 #[derive(Clone, Debug, Default)]
 pub struct Profiles {
     /// Mean height over each facet `[length]`.
     heights: Vec<f64>,
-    /// Largest deviation of the surface from a quadratic height over each facet `[length]`.
-    deviations: Vec<f64>,
 }
 
 impl Profiles {
@@ -184,29 +184,13 @@ impl Profiles {
     /// Heights with another cosine of the largest angle between two facets of a curve.
     pub fn of_curve(surface: &Surface, q: &[f64], smooth: f64) -> Self {
         let facets = Facets::new(surface, q, smooth);
-        let sagittas: Vec<[f64; 4]> = (0..surface.count()).map(|facet| facets.sagittas(facet)).collect();
-        let deviation = |facet: usize| {
-            let nodes = surface.facet(facet);
-            let of_side = |k: usize| {
-                let length = (faces::at(nodes[(k + 1) % nodes.len()], q) - faces::at(nodes[k], q)).norm();
-                DEVIATION * length * (8.0 * sagittas[facet][k].abs() / length).powi(3)
-            };
-            (0..nodes.len()).map(of_side).fold(0.0, f64::max)
-        };
-        Profiles {
-            heights: sagittas.iter().map(|sagittas| sagittas.iter().sum::<f64>() / 3.0).collect(),
-            deviations: (0..surface.count()).map(deviation).collect(),
-        }
+        let height = |facet: usize| facets.sagittas(facet).iter().sum::<f64>() / 3.0;
+        Profiles { heights: (0..surface.count()).map(height).collect() }
     }
 
     /// Mean height of the curved surface over a facet, 0 for flat facets `[length]`.
     pub fn height(&self, facet: usize) -> f64 {
         self.heights[facet]
-    }
-
-    /// Largest deviation of the curved surface from the height profile of a facet `[length]`.
-    pub fn deviation(&self, facet: usize) -> f64 {
-        self.deviations[facet]
     }
 
     /// Largest mean height of a convex surface over the given facets, by which sub-facet points may lie above the surface `[length]`.

@@ -1,4 +1,4 @@
-//! Quadric surface through the six nodes of a triangular face of second order (for `second_order.rs`).
+//! Quadric surface through the nodes of a face of second order (for `second_order.rs`).
 //!
 //! With the distance `z` from a plane along its unit normal and the coordinates `X` in it, the surface is
 //!
@@ -6,18 +6,24 @@
 //! z + k(X, X)/2 + c z^2/2 = 0,        c: principal curvature of k that is larger in magnitude
 //! ```
 //!
-//! Three curvatures `k`, the normal and the offset of the plane are six unknowns for six nodes. Spheres and cylinders have this form for
-//! every direction of the face on them; the quadratic shape functions of the face leave a cylinder where edges are inclined to its axis.
+//! Three curvatures `k`, the normal and the offset of the plane are six unknowns for six nodes; eight or nine nodes determine them by least
+//! squares. Spheres and cylinders have this form for every direction of the face on them; the quadratic shape functions of the face leave a
+//! cylinder where edges are inclined to its axis.
 
-use nalgebra::{Matrix2, Matrix6, Vector2, Vector6};
+use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
 
+use super::curved_face::has_own_center;
 use crate::contact::faces::{self, Vector};
 use crate::math::tolerances::STRAIGHT;
 
 /// Largest number of corrections of the plane; each one squares the error.
 const CORRECTIONS: usize = 12;
 
-/// Surface through a face of six nodes.
+/// Largest distance of a node of a face from its quadric, over `k l^2` of the edge length `l`: 8 % of the sagitta. Faces of other surfaces
+/// have none.
+const MISSED: f64 = 0.01;
+
+/// Surface through the nodes of a face.
 pub(super) struct Quadric {
     /// Point of the surface under the middle of the face.
     at: Vector,
@@ -30,33 +36,37 @@ pub(super) struct Quadric {
 }
 
 impl Quadric {
-    /// Surface through the nodes of a face: three corners, three mid-side nodes. `None` where they do not determine one.
+    /// Surface through the nodes of a face of second order: corners, mid-side nodes, and a center that does not follow from the others.
+    /// `None` where they do not determine one.
     pub(super) fn through(face: &[u32], q: &[f64]) -> Option<Self> {
-        let nodes: [Vector; 6] = std::array::from_fn(|k| faces::at(face[k], q));
+        let count = if face.len() == 9 && !has_own_center(face, q) { 8 } else { face.len() };
+        let nodes: Vec<Vector> = face[..count].iter().map(|&node| faces::at(node, q)).collect();
+        let corners = if count == 6 { 3 } else { 4 };
         let size = (nodes[1] - nodes[0]).norm();
-        let (mut at, mut normal) = (nodes[..3].iter().sum::<Vector>() / 3.0, (nodes[1] - nodes[0]).cross(&(nodes[2] - nodes[0])));
+        let at_corners = nodes[..corners].iter().sum::<Vector>() / corners as f64;
+        let (mut at, mut normal) = (at_corners, faces::area_vector(&face[..corners], q));
         let mut steepest = 0.0;
         for _ in 0..CORRECTIONS {
             let normal_now = normal.try_normalize(0.0)?;
             let first = (nodes[1] - nodes[0]).cross(&normal_now).try_normalize(0.0)?;
             let surface = Quadric { at, axes: [first, normal_now.cross(&first), normal_now], curvature: Matrix2::zeros(), steepest };
-            let [offset, x, y, xx, yy, xy] = surface.coefficients(&nodes, size)?;
+            let ([offset, x, y, xx, yy, xy], missed) = surface.coefficients(&nodes, size)?;
             let curvature = Matrix2::new(xx, xy, xy, yy);
             steepest = curvature.symmetric_eigenvalues().into_iter().fold(0.0, |most: f64, &k| if k.abs() > most.abs() { k } else { most });
             let change = (offset / size).abs() + x.abs() + y.abs() + size * (steepest - surface.steepest).abs();
             let [first, second, axis] = surface.axes;
             if change < STRAIGHT * STRAIGHT {
-                return Some(Quadric { curvature, steepest, ..surface });
+                return (missed <= MISSED * steepest.abs() * size * size).then_some(Quadric { curvature, steepest, ..surface });
             }
             (at, normal) = (at - axis * offset, axis + first * x + second * y);
         }
         None
     }
 
-    /// Coefficients `offset, x, y, xx, yy, xy` for which `z + offset + x X + y Y + (xx X^2 + yy Y^2)/2 + xy X Y + c z^2/2` is zero at the
-    /// nodes, for the present plane and `c`.
-    fn coefficients(&self, nodes: &[Vector; 6], size: f64) -> Option<[f64; 6]> {
-        let (mut matrix, mut right) = (Matrix6::zeros(), Vector6::zeros());
+    /// Coefficients `offset, x, y, xx, yy, xy` for which `z + offset + x X + y Y + (xx X^2 + yy Y^2)/2 + xy X Y + c z^2/2` is smallest at
+    /// the nodes, for the present plane and `c`, and its largest value there.
+    fn coefficients(&self, nodes: &[Vector], size: f64) -> Option<([f64; 6], f64)> {
+        let (mut matrix, mut right) = (DMatrix::zeros(nodes.len(), 6), DVector::zeros(nodes.len()));
         for (row, node) in nodes.iter().enumerate() {
             let (place, z) = self.coordinates(node - self.at);
             let [x, y] = [place.x / size, place.y / size];
@@ -64,10 +74,15 @@ impl Quadric {
             (0..6).for_each(|column| matrix[(row, column)] = terms[column]);
             right[row] = -(z + 0.5 * self.steepest * z * z) / size;
         }
-        let found = matrix.lu().solve(&right)?;
+        let factors = matrix.clone().svd(true, true);
+        if factors.singular_values.min() <= STRAIGHT * factors.singular_values.max() {
+            return None;
+        }
+        let found = factors.solve(&right, 0.0).ok()?;
+        let missed = size * (matrix * &found - right).amax();
         found.iter().all(|value| value.is_finite()).then(|| {
-            let [offset, x, y, xx, yy, xy]: [f64; 6] = found.into();
-            [offset * size, x, y, xx / size, yy / size, xy / size]
+            let (offset, per_size) = (found[0] * size, |k: usize| found[k] / size);
+            ([offset, found[1], found[2], per_size(3), per_size(4), per_size(5)], missed)
         })
     }
 
@@ -116,6 +131,27 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// Closed form: faces of eight nodes on a cylinder and a sphere; the center of a face of nine nodes counts if it is no interpolation.
+    #[test]
+    fn quadrilaterals_are_exact() {
+        let places: [[f64; 2]; 9] =
+            [[0.0, -0.1], [0.4, 0.0], [0.45, 0.4], [0.05, 0.3], [0.2, -0.06], [0.43, 0.2], [0.25, 0.36], [0.02, 0.1], [0.22, 0.15]];
+        let cylinder = |[s, y]: [f64; 2]| Vector::new(2.0 * f64::sin(s), y, 2.0 * f64::cos(s));
+        let sphere = |[s, y]: [f64; 2]| Vector::new(s, y, (4.0 - s * s - y * y).sqrt());
+        let of = |surface: &dyn Fn([f64; 2]) -> Vector| places.iter().flat_map(|&at| surface(at).data.0[0]).collect::<Vec<f64>>();
+        for (points, on_axis) in [(of(&cylinder), 0.0), (of(&sphere), 1.0)] {
+            for count in [8, 9] {
+                let surface = Quadric::through(&(0..count).collect::<Vec<u32>>(), &points).expect("it is a quadric");
+                let (x, away) = (faces::at(8, &points) * 0.98, Vector::new(0.1, 0.05, 1.0).normalize());
+                let end = x + away * surface.height(x, away).expect("it is above");
+                assert!((end.x * end.x + on_axis * end.y * end.y + end.z * end.z - 4.0).abs() < 1e-12, "{count} {on_axis} {end}");
+            }
+        }
+        let mut bent = of(&sphere);
+        bent[26] += 0.05;
+        assert!(Quadric::through(&(0..9).collect::<Vec<u32>>(), &bent).is_none(), "no quadric has this center");
     }
 
     #[test]

@@ -100,7 +100,7 @@ impl<'a> ProxySurfacesInSpace<'a> {
         let mut profiles = [(&secondary, &normals[0]), (&primary, &normals[1])].map(|(surface, of)| profiles(surface, &seen, &truth, of));
         for ((surface, faces), profiles) in [&secondary, &primary].into_iter().zip(sides).zip(&mut profiles) {
             let pieces = faces.iter().flat_map(|face| std::iter::repeat_n(face, proxies.pieces(face).len()));
-            for (facet, (face, profile)) in pieces.zip(profiles).enumerate().filter(|(_, (face, _))| face.len() == 6) {
+            for (facet, (face, profile)) in pieces.zip(profiles).enumerate().filter(|(_, (face, _))| face.len() >= 6) {
                 let of_face = Quadric::through(face, reference)
                     .and_then(|quadric| exact_profile(|x, normal| quadric.height(x, normal), surface.facet(facet), &seen));
                 *profile = of_face.unwrap_or(*profile);

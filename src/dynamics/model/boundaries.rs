@@ -5,6 +5,7 @@ use nalgebra::Vector3;
 use super::definitions::Model;
 use super::interactions::BodyBoundary;
 use crate::contact::{ProxyNodes, ProxySurfacesInSpace, Surface, Tie};
+use crate::elements::CellKind;
 use crate::mesh::Facet;
 
 /// Facets of a boundary in the plane; node numbers of its body start at `first_node`. A quadratic edge gives two facets.
@@ -31,6 +32,29 @@ pub fn inner_nodes(model: &Model, on: &BodyBoundary, first_node: usize) -> Vec<u
         nodes.min_by(|&a, &b| height(a).total_cmp(&height(b))).map_or(0, |node| node + first_node as u32)
     };
     on.boundary.facets.iter().map(deepest).collect()
+}
+
+/// Mean thickness of the cells of constant strain (triangles of three nodes, tetrahedra of four) behind a boundary: distance of their nodes
+/// from its facets `[length]`. `None` without such cells.
+pub fn constant_strain_thickness(model: &Model, on: &BodyBoundary) -> Option<f64> {
+    let mesh = &model.bodies[on.body].mesh;
+    let point = |node: u32| Vector3::from(mesh.points[node as usize]);
+    let thickness = |facet: &Facet| {
+        let corners: Vec<Vector3<f64>> = mesh.facet_nodes(*facet).map(point).collect();
+        let sides: Vec<Vector3<f64>> = corners[1..].iter().map(|corner| corner - corners[0]).collect();
+        let height = |node: u32| {
+            let way = point(node) - corners[0];
+            match sides[..] {
+                [along] => way.cross(&along).norm() / along.norm(),
+                [first, second] => way.dot(&first.cross(&second).normalize()).abs(),
+                _ => 0.0,
+            }
+        };
+        mesh.cell(facet.cell as usize).iter().map(|&node| height(node)).fold(0.0, f64::max)
+    };
+    let is_constant = |facet: &&Facet| matches!(mesh.kind_of(facet.cell as usize), CellKind::Tri3 | CellKind::Tet4);
+    let found: Vec<f64> = on.boundary.facets.iter().filter(is_constant).map(thickness).collect();
+    (!found.is_empty()).then(|| found.iter().sum::<f64>() / found.len() as f64)
 }
 
 /// Mid-side nodes of second-order edges on the hulls of plane bodies; `first` maps a body to its first node number.

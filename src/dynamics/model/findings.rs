@@ -2,12 +2,13 @@
 //!
 //! Findings are warnings, unlike the errors of [`Model::check`]: the model can be simulated, but hardly as intended.
 
-use super::boundaries::{boundary_faces, boundary_facets, facets_of_all, tie_reach, tied_in_space};
+use super::boundaries::{boundary_faces, boundary_facets, constant_strain_thickness, facets_of_all, tie_reach, tied_in_space};
 use super::definitions::Model;
 use super::depths::Depths;
 use super::interactions::{BodyBoundary, Interaction, Partner};
 use crate::contact::{
-    FacetShape, Finding, NamedSurface, PatchFunctions, Surface, Tie, check_surfaces, facing_away, polygon_fit, press_fit,
+    FacetShape, Finding, NamedSurface, PatchFunctions, ProxySurfacesInSpace, Surface, Tie, check_surfaces, constant_strain_error,
+    facing_away, polygon_fit, press_fit, uneven_fit,
 };
 
 impl Model {
@@ -34,11 +35,14 @@ impl Model {
             let primary: Vec<&BodyBoundary> = primary.iter().filter(|on| !is_curved(on) && !is_curved(secondary)).collect();
             let found = primary.into_iter().filter_map(|on| {
                 let of = polygon_fit(&Surface::new(&facets(secondary)), &Surface::new(&facets(on)), &reference, shape)?;
-                let (secondary, primary) = (self.boundary_name(secondary), self.boundary_name(on));
+                let (secondary_name, primary_name) = (self.boundary_name(secondary), self.boundary_name(on));
                 if of.interlocks() {
-                    return Some(Finding::Interlocking { secondary, primary, of });
+                    return Some(Finding::Interlocking { secondary: secondary_name, primary: primary_name, of });
                 }
-                of.is_distorted().then_some(Finding::DistortedFit { secondary, primary, of })
+                if of.is_distorted() {
+                    return Some(Finding::DistortedFit { secondary: secondary_name, primary: primary_name, of });
+                }
+                self.constant_strain([secondary, on], of.curvature)
             });
             found.collect()
         };
@@ -87,22 +91,35 @@ impl Model {
         std::iter::once(secondary).chain(primary).any(is_joined)
     }
 
-    /// Findings in space: sides that face away from each other, nodes that ties leave out, coarse press fits of first-order facets.
+    /// Finding for a press fit of sides with cells of constant strain, whose secondary side has this curvature `[1/length]`.
+    fn constant_strain(&self, sides: [&BodyBoundary; 2], curvature: f64) -> Option<Finding> {
+        let thickness = sides.iter().filter_map(|on| constant_strain_thickness(self, on)).reduce(f64::max)?;
+        let [secondary, primary] = sides.map(|on| self.boundary_name(on));
+        constant_strain_error(thickness, curvature).map(|error| Finding::ConstantStrain { secondary, primary, thickness, error })
+    }
+
+    /// Findings in space: sides that face away from each other, nodes that ties leave out, press fits of coarse or uneven facets.
     fn findings_in_space(&self, first: &[usize], reference: &[f64]) -> Vec<(String, Finding)> {
         let is_flat = |on: &BodyBoundary| !self.bodies[on.body].mesh.is_quadratic();
         let surface = |on: &BodyBoundary| {
             let faces = boundary_faces(self, on, first[on.body]);
             Surface::in_space(faces.iter().map(|face| &face[..]))
         };
-        let coarse = |interaction: &Interaction, on: &BodyBoundary| {
-            let is_exact = interaction.shapes.iter().any(Option::is_some);
+        let fits = |interaction: &Interaction, on: &BodyBoundary| {
             let side = &interaction.secondary;
-            let of = press_fit(&surface(side), &surface(on), reference, interaction.facet_shape(3))?;
             let (secondary, primary) = (self.boundary_name(side), self.boundary_name(on));
-            match of {
-                of if of.is_coarse() && !is_exact => Some(Finding::CoarseFit { secondary, primary, of }),
-                of if of.is_uneven() => Some(Finding::UnevenFit { secondary, primary, of }),
-                _ => None,
+            let shape = interaction.facet_shape(3);
+            let of_facets = if is_flat(side) && is_flat(on) { press_fit(&surface(side), &surface(on), reference, shape) } else { None };
+            if let Some(of) = of_facets.filter(|of| of.is_coarse() && interaction.shapes.iter().all(Option::is_none)) {
+                return Some(Finding::CoarseFit { secondary, primary, of });
+            }
+            let faces = [side, on].map(|on| boundary_faces(self, on, first[on.body]));
+            let exact = interaction.exact_shapes();
+            let seen = ProxySurfacesInSpace::new(faces.each_ref().map(|faces| &faces[..]), reference).of_shape(shape);
+            let seen = seen.of_exact(exact.map(|shape| shape.map(|shape| move |x, normal| shape.height_in_space(x, normal))));
+            match uneven_fit(&seen, reference).filter(|of| of.is_distorted()) {
+                Some(of) => Some(Finding::UnevenFit { secondary, primary, of }),
+                None => self.constant_strain([side, on], of_facets?.curvature),
             }
         };
         let away = |secondary: &BodyBoundary, primary: &[BodyBoundary]| {
@@ -121,8 +138,7 @@ impl Model {
                     untied(name, &tied, reach)
                 }
                 Partner::Surfaces(primary) => {
-                    let is_coarse = |on: &BodyBoundary| if is_flat(secondary) && is_flat(on) { coarse(interaction, on) } else { None };
-                    away(secondary, primary).into_iter().chain(primary.iter().filter_map(is_coarse)).collect()
+                    away(secondary, primary).into_iter().chain(primary.iter().filter_map(|on| fits(interaction, on))).collect()
                 }
                 Partner::Obstacle { .. } => self.away_from_obstacle(interaction).into_iter().collect(),
                 Partner::Itself => Vec::new(),
@@ -146,7 +162,8 @@ mod tests {
     use super::super::definitions::BodyDefinition;
     use super::*;
     use crate::materials::NeoHookean;
-    use crate::mesh::rectangle;
+    use crate::elements::CellKind;
+    use crate::mesh::{Round, rectangle, ring};
 
     /// A block on the ground block, both 1 x 1.
     fn blocks() -> Model {
@@ -189,6 +206,27 @@ mod tests {
         assert_eq!(found(&model), [], "one of several primaries looks back");
         model.interactions = contact(boundary(&model, 1, "top"), boundary(&model, 0, "top"));
         assert!(matches!(found(&model)[..], [Finding::FacingAway { .. }]));
+    }
+
+    /// Press fit of two rings: cells of a quarter of the radius have errors of about twice this ratio.
+    #[test]
+    fn triangles_in_a_press_fit_are_found() {
+        let of = |kind: CellKind, layers: usize| {
+            let mut model = blocks();
+            for (body, radii) in model.bodies.iter_mut().zip([[0.5, 1.001], [1.0, 1.5]]) {
+                let mesh = ring(radii[0], radii[1], [layers, 48], [0.0; 2], 1.0).expect("it is a mesh");
+                body.mesh = Arc::new(mesh.with_round_cells(kind, Round::About([0.0; 2])).expect("cells are round"));
+            }
+            let [shaft, hub] = [boundary(&model, 0, "outer"), boundary(&model, 1, "inner")];
+            model.interactions = vec![Interaction::contact("fit", shaft, hub)];
+            found(&model)
+        };
+        let errors = |found: Vec<Finding>| -> Vec<f64> {
+            found.iter().filter_map(|of| if let Finding::ConstantStrain { error, .. } = of { Some(*error) } else { None }).collect()
+        };
+        let coarse = errors(of(CellKind::Tri3, 2));
+        assert!(coarse.len() == 1 && (coarse[0] - 0.5).abs() < 0.05, "{coarse:?}");
+        assert!(errors(of(CellKind::Tri3, 20)).is_empty() && errors(of(CellKind::Quad4, 2)).is_empty());
     }
 
     #[test]

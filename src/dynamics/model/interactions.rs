@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::amplitude::{Amplitude, TimeFunctionError};
 use super::update_rules::UpdateRule;
 use crate::contact::{
-    ContactKernel, ContactMethod, FacetShape, FrictionLaw, MORTAR, Obstacle, ObstaclePlacement, TurningAxis, TurningContact,
+    ContactKernel, ContactMethod, ExactShape, FacetShape, FrictionLaw, MORTAR, Obstacle, ObstaclePlacement, TurningAxis, TurningContact,
 };
 use crate::mesh::Boundary;
 
@@ -199,6 +199,11 @@ impl Interaction {
     pub fn facet_shape(&self, dimension: usize) -> FacetShape {
         let is_straight = self.method.is_nodal && dimension == 2 && self.shapes.iter().all(Option::is_none);
         self.facets.unwrap_or(if is_straight { FacetShape::Straight } else { FacetShape::Curved })
+    }
+
+    /// Exact shapes of the secondary and of the primary side.
+    pub fn exact_shapes(&self) -> [Option<ExactShape>; 2] {
+        self.shapes.each_ref().map(|shape| shape.as_ref().and_then(ExactShape::new))
     }
 
     /// True if the interaction is a tie.

@@ -5,8 +5,8 @@ use super::laws::Bilateral;
 use super::round_contacts::RoundContacts;
 use crate::bodies::BarycentricMap;
 use crate::contact::{
-    ContactKernel, CornersInSpace, ExactShape, FacetShape, NodeToSegment, Obstacle, ObstacleInSpace, ProxyNodes, ProxySurfacesInSpace,
-    RigidContact, RigidCorners, RigidInSpace, RoundInSpace, RowsOf, Surface, Tie, rolling_contact, round_contact,
+    ContactKernel, CornersInSpace, FacetShape, NodeToSegment, Obstacle, ObstacleInSpace, ProxyNodes, ProxySurfacesInSpace, RigidContact,
+    RigidCorners, RigidInSpace, RoundInSpace, RowsOf, Surface, Tie, rolling_contact, round_contact,
 };
 use crate::dynamics::model::boundaries::{boundary_faces, boundary_facets, facets_of_all, tie_reach, tied_in_space};
 use crate::dynamics::model::definitions::Model;
@@ -118,7 +118,7 @@ impl Pairing<'_> {
     fn in_space(&self, interaction: &Interaction) -> ProxySurfacesInSpace<'_> {
         let primary = if self.round.bodies(interaction).is_some() { &[] } else { interaction.primary() };
         let faces = [std::slice::from_ref(&interaction.secondary), primary].map(|side| facets_of_all(side, self.faces));
-        let exact = exact_shapes(interaction);
+        let exact = interaction.exact_shapes();
         let seen = ProxySurfacesInSpace::new(faces.each_ref().map(|faces| &faces[..]), self.reference).of_shape(interaction.facet_shape(3));
         seen.of_exact(exact.map(|shape| shape.map(|shape| move |x, normal| shape.height_in_space(x, normal))))
     }
@@ -159,7 +159,7 @@ impl Pairing<'_> {
                 let is_round = self.round.bodies(interaction).is_some();
                 let others = if is_round { Vec::new() } else { facets_of_all(interaction.primary(), self.facets) };
                 let rows = if interaction.method.is_nodal { RowsOf::Nodes } else { RowsOf::Facets };
-                let exact = exact_shapes(interaction);
+                let exact = interaction.exact_shapes();
                 let seen = self.middles.seen([&facets, &others], self.reference, rows).of_shape(interaction.facet_shape(2));
                 let seen = seen.of_exact(exact.each_ref().map(Option::as_ref));
                 let kernel = (interaction.method.kernel)(&seen.secondary, &seen.primary, &seen.reference);
@@ -294,7 +294,7 @@ impl Pairing<'_> {
                     add(of, PairKind::Obstacle, interaction.secondary.body, slack, kernel);
                 }
             }
-            let exact = exact_shapes(interaction);
+            let exact = interaction.exact_shapes();
             for Cornered { on, against, is_primary } in cornered(interaction) {
                 let shapes = if is_primary { [&exact[1], &exact[0]] } else { [&exact[0], &exact[1]] };
                 let [own, others] = [on, against].map(|side| facets_of_all(side, self.facets));
@@ -309,11 +309,6 @@ impl Pairing<'_> {
         }
         corners
     }
-}
-
-/// Exact shapes of the secondary and of the primary side.
-fn exact_shapes(interaction: &Interaction) -> [Option<ExactShape>; 2] {
-    interaction.shapes.each_ref().map(|shape| shape.as_ref().and_then(ExactShape::new))
 }
 
 /// Side of a contact whose corners may penetrate the other side.
