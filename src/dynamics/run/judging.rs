@@ -65,8 +65,8 @@ where
         }
     }
 
-    /// Slip that ends or turns within a step of size `dt` in the contact or joint where it is largest. A contact that slips in one direction
-    /// does the largest work that its law admits; work that is missing means that it slipped in a part of the step only.
+    /// Slip that ends or turns within a step of size `dt` in the contact or joint where it is largest. A contact that slips in one
+    /// direction does the largest work that its law admits; missing work means that it slipped in a part of the step only.
     fn slip_end(&self, state: &State, dt: f64) -> Option<SlipEnd> {
         let (system, old) = (&self.system, &self.state);
         let mut sums = vec![[0.0f64; 3]; system.pairs.len()];

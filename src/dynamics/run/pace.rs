@@ -114,8 +114,8 @@ pub struct Stepped<'a> {
 }
 
 impl Stepped<'_> {
-    /// Size of the next try if the error of a first touch or of the end of a slip is larger than `allowed`; `speed` is the largest mean speed
-    /// so far.
+    /// Size of the next try if the error of a first touch or of the end of a slip is larger than `allowed`; `speed` is the largest mean
+    /// speed so far.
     fn size_at_event(&self, speed: f64, allowed: f64, measure: &impl Measure) -> Option<f64> {
         let &Stepped { dt, v: [v_0, v_1], touch, slip_end, touch_round_off, .. } = self;
         // A jump of the velocity acts from the touch on, not from the middle of the step.
@@ -237,8 +237,8 @@ impl StepSizeState {
             let before = if self.ratio > 0.0 { (self.ratio / AIM).max(tolerances::EXACT) } else { relative };
             let factor = (relative.powf(-2.0 / 3.0) * before.powf(1.0 / 3.0)).powf(1.0 / order);
             next.dt = dt * factor.clamp(SHORTER, LONGER);
-            // Short steps that an event left and that only grow say nothing of the usual size: touches in quick succession would shorten it,
-            // and with it the error admissible for the next one, to nothing.
+            // Short steps that an event left and that only grow say nothing of the usual size: touches in quick succession would shorten
+            // it, and with it the error admissible for the next one, to nothing.
             next.usual = match dt >= self.usual {
                 true => dt,
                 false if factor >= LONGER => self.usual,

@@ -10,7 +10,8 @@ const G: f64 = 9.81;
 /// Largest motion of a body at rest, over lengths of about 1.
 const REST: f64 = 1e-9;
 
-/// Height of a box's center over its lower face, and the largest offset of the pressure that a single facet of it bears, a sixth of the side.
+/// Height of a box's center over its lower face, and the largest offset of the pressure that a single facet of it bears, a sixth of the
+/// side.
 const HALF_HEIGHT: f64 = 0.25;
 const OF_ONE_FACET: f64 = 1.0 / 6.0;
 
