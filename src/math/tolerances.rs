@@ -3,11 +3,13 @@
 mod friction;
 mod meshes;
 mod plasticity;
+mod steps;
 mod surfaces;
 
 pub use friction::*;
 pub use meshes::*;
 pub use plasticity::*;
+pub use steps::*;
 pub use surfaces::*;
 
 /// Newton's default: the energy `|r.dq| + |lambda.Phi|` that the residual can still move, relative to the energy scale. Well above
@@ -20,16 +22,6 @@ pub const EXACT: f64 = 1e-6;
 /// Default tolerance of adaptive steps: growth of the position error in a step, relative to the length of the bodies' paths. An error of
 /// this size is just visible in a picture.
 pub const STEP_ERROR: f64 = 1e-3;
-
-/// Growth of the relative position error in a step that round-off and Newton's tolerance cause alone.
-pub const STILL: f64 = 1e-12;
-
-/// Position error of a step, relative to the largest coordinate, that is round-off in models with contacts or rigid bodies: third
-/// differences of a body held at rest by friction reach 1e-14.
-pub const STILL_AT: f64 = 1e-13;
-
-/// Default of the smallest adaptive step, relative to the first step: resolving an impact to this accuracy costs some twenty refused steps.
-pub const SMALLEST_STEP: f64 = 1e-6;
 
 /// Weight of the momentum defect of a residual in the energy criterion of Newton's method. With the default tolerance a step ends with a
 /// momentum defect of 5e-12 of the momentum that belongs to its energy.

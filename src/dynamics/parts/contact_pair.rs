@@ -195,6 +195,13 @@ impl ContactPair {
         }
     }
 
+    /// Tolerance of the weighted gap where the largest coordinate is `reach`: bodies may move far away from where they began.
+    pub fn gap_tolerance_at(&self, reach: f64) -> f64 {
+        let dimension = self.kernel.patches().dimension() as i32;
+        let measure = if self.kind.is_of_points() { 1.0 } else { self.kernel.facet_size().powi(dimension - 1) };
+        self.gap_tolerance.max(tolerances::GAP_FLOOR * reach * measure)
+    }
+
     /// Adds the tangential constraints of the contact's friction, if defined.
     pub fn add_friction(&mut self, interaction: &Interaction) {
         let tangents = self.kernel.patches().dimension() - 1;

@@ -2,10 +2,12 @@
 
 use super::engine::Engine;
 use super::ledger::ContactTotals;
-use super::pace::{FirstTouch, Measure, Stepped};
+use super::pace::{FirstTouch, Measure, SlipEnd, Stepped};
+use super::slip_memory::size;
 use super::state::State;
 use super::substeps::Substeps;
 use crate::bodies::{BodyState, Elements, Space};
+use crate::contact::SlipState;
 use crate::dynamics::parts::body::Body;
 use crate::dynamics::parts::contact_pair::ContactPair;
 use crate::dynamics::step::counters::Counters;
@@ -40,10 +42,15 @@ where
         let open: Vec<bool> = self.system.contacts().enumerate().map(is_open).collect();
         let touch = first_touch(&old.row.contacts, &state.row.contacts, |contact| open[contact]);
         let (u, v_0) = ([&old.displacements[..], &state.displacements], &old.velocities[..]);
-        let reach = || largest_size(&state.positions).max(self.system.nodes.extent);
-        let round_off = if self.system.depends_on_positions() { tolerances::STILL_AT * reach() } else { 0.0 };
+        let reach = largest_size(&state.positions).max(self.system.nodes.extent);
+        let [round_off, touch_round_off] = if self.system.depends_on_positions() {
+            [tolerances::STILL_AT, tolerances::TOUCH].map(|least| least * reach)
+        } else {
+            [0.0; 2]
+        };
         let plastic_strain = if control.plastic_strain.is_some() { self.plastic_strain(&state) } else { 0.0 };
-        let step = Stepped { scheme: &scheme, dt, u, v_0, is_cut, touch, round_off, plastic_strain };
+        let (v_1, slip_end) = (&state.velocities[..], self.slip_end(&state, dt));
+        let step = Stepped { scheme: &scheme, dt, u, v: [v_0, v_1], is_cut, touch, slip_end, round_off, touch_round_off, plastic_strain };
         match old.pace.after(&step, &control, options.dt, &self.system) {
             Ok(pace) => {
                 let pace = pace.with_contacts(dt, state.row.contacts.iter().map(|contact| contact.active > 0));
@@ -56,6 +63,35 @@ where
                 Err(Failure::Inexact { size })
             }
         }
+    }
+
+    /// Slip that ends or turns within a step of size `dt` in the contact or joint where it is largest. A contact that slips in one
+    /// direction does the largest work that its law admits; missing work means that it slipped in a part of the step only.
+    fn slip_end(&self, state: &State, dt: f64) -> Option<SlipEnd> {
+        let (system, old) = (&self.system, &self.state);
+        let mut sums = vec![[0.0f64; 3]; system.pairs.len()];
+        for (index, pair) in system.pairs.iter().enumerate() {
+            let Some(friction) = &pair.friction else { continue };
+            let sum = &mut sums[pair.corners.map_or(index, |corners| corners.pair)];
+            for (local, row) in pair.rows.clone().enumerate() {
+                // First touches have an error of their own.
+                if !(old.active[row].is_closed() && state.active[row].is_closed()) {
+                    continue;
+                }
+                let (group, weight) = (friction.group(local), pair.kernel.weights()[local]);
+                let slips: Vec<f64> = group.clone().map(|row| state.slipped[row - system.normal_count].slip).collect();
+                let slip = size(&slips).abs();
+                let pressure = if pair.law.is_bilateral() { state.lambda[row].abs() } else { state.lambda[row].max(0.0) };
+                let sliding = SlipState { coefficient: friction.coefficients[local], pressure, speed: slip / dt };
+                let limit = weight * friction.law.limit(sliding).shear;
+                let work: f64 = group.zip(&slips).map(|(row, slip)| -weight * state.lambda[row] * slip).sum();
+                let parts = [limit, limit * slip, work.min(limit * slip)];
+                sum.iter_mut().zip(parts).for_each(|(sum, part)| *sum += part);
+            }
+        }
+        let of = |[limit, most, work]: &[f64; 3]| SlipEnd { slip: most / limit, share: work / most };
+        let ends = sums.iter().filter(|[_, most, work]| *most > *work).map(of);
+        ends.max_by(|a, b| a.missed().total_cmp(&b.missed()))
     }
 
     /// Largest increase of the equivalent plastic strain of a point from the present state to another.

@@ -8,7 +8,8 @@
 //! over the mass of a body, of the body where they are largest. Where velocities jump, as in impacts, no step is short enough for a rate:
 //! the admissible error of such a step is that of a step of the usual size. An error at the round-off of the positions counts as zero: a
 //! body at rest by friction has no other motion. The error of the first touch of a contact is the penetration at the end of the step or,
-//! where a rule closes the gap within the step, half of the displacement in the step.
+//! where a rule closes the gap within the step, half of the displacement in the step. The error of the end of a slip is the slip after its
+//! end.
 //!
 //! *Plastic strain.* Where a bound is given, a step in which a point yields by more is repeated with a smaller size.
 //!
@@ -95,16 +96,42 @@ pub struct Stepped<'a> {
     pub dt: f64,
     /// Displacements at the start and the end of the step `[length]`.
     pub u: [&'a [f64]; 2],
-    /// Velocities at the start of the step `[length/time]`.
-    pub v_0: &'a [f64],
+    /// Velocities at the start and the end of the step `[length/time]`.
+    pub v: [&'a [f64]; 2],
     /// True if the step is shorter than chosen, to end at an event.
     pub is_cut: bool,
     /// First touch of a contact at another time than the end of the step.
     pub touch: Option<FirstTouch>,
+    /// Slip that ends within the step.
+    pub slip_end: Option<SlipEnd>,
     /// Round-off of the positions if contacts or rigid bodies depend on them; otherwise 0 `[length]`.
     pub round_off: f64,
+    /// Error of a first touch at which the work of its force on the round-off of the positions is as large as an admissible defect
+    /// `[length]`.
+    pub touch_round_off: f64,
     /// Largest plastic strain of the step at a point.
     pub plastic_strain: f64,
+}
+
+impl Stepped<'_> {
+    /// Size of the next try if the error of a first touch or of the end of a slip is larger than `allowed`; `speed` is the largest mean
+    /// speed so far.
+    fn size_at_event(&self, speed: f64, allowed: f64, measure: &impl Measure) -> Option<f64> {
+        let &Stepped { dt, v: [v_0, v_1], touch, slip_end, touch_round_off, .. } = self;
+        // A jump of the velocity acts from the touch on, not from the middle of the step.
+        let jump = || measure.size(&v_1.iter().zip(v_0).map(|(v_1, v_0)| v_1 - v_0).collect::<Vec<f64>>(), true).min(speed);
+        let (missed, rate) = match touch {
+            Some(FirstTouch::Passed(depth)) => (depth, speed),
+            Some(FirstTouch::Kept) => (0.5 * dt * jump(), jump()),
+            None => (0.0, speed),
+        };
+        let most = allowed.max(touch_round_off);
+        if missed > most {
+            return Some((dt - (missed - AIM * most) / rate).clamp(SHORTER * dt, LESS * dt));
+        }
+        let end = slip_end.filter(|end| end.missed() > allowed)?;
+        Some(dt * (end.share + AIM * allowed / end.slip).clamp(SHORTER, LESS))
+    }
 }
 
 /// First touch of a contact within a step, not at its end.
@@ -114,6 +141,22 @@ pub enum FirstTouch {
     Passed(f64),
     /// The update rule prevented penetration within the step.
     Kept,
+}
+
+/// Slip that ends within a step, as a mean over a contact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SlipEnd {
+    /// Slip in the step `[length]`.
+    pub slip: f64,
+    /// Share of the step in which the contact slips.
+    pub share: f64,
+}
+
+impl SlipEnd {
+    /// Slip after the end of the slip: a friction force below its limit has braked as if for the whole step `[length]`.
+    pub fn missed(&self) -> f64 {
+        self.slip * (1.0 - self.share)
+    }
 }
 
 /// Root mean squares over the mass of bodies, the largest of all.
@@ -157,7 +200,7 @@ impl StepSizeState {
     /// # Errors
     /// The step is not accurate enough: the size of the next try.
     pub fn after(&self, step: &Stepped, control: &StepControl, first: f64, measure: &impl Measure) -> Result<StepSizeState, f64> {
-        let &Stepped { scheme, dt, u: [u_0, u_1], is_cut, touch, round_off, .. } = step;
+        let &Stepped { scheme, dt, u: [u_0, u_1], is_cut, round_off, .. } = step;
         let velocity: Vec<f64> = u_1.iter().zip(u_0).map(|(u_1, u_0)| (u_1 - u_0) / dt).collect();
         let speed = self.speed.max(measure.size(&velocity, false));
         let (order, smallest) = (scheme.promises.order as f64, control.smallest(first));
@@ -179,13 +222,8 @@ impl StepSizeState {
         if plastic_ratio > 1.0 && may_shrink {
             return Err((dt * (AIM / plastic_ratio).clamp(SHORTER, LESS)).max(smallest));
         }
-        let missed = match touch {
-            Some(FirstTouch::Passed(depth)) => depth,
-            Some(FirstTouch::Kept) => 0.5 * dt * speed,
-            None => 0.0,
-        };
-        if missed > allowed && may_shrink {
-            return Err((dt - (missed - AIM * allowed) / speed).clamp(SHORTER * dt, LESS * dt).max(smallest));
+        if let Some(size) = step.size_at_event(speed, allowed, measure).filter(|_| may_shrink) {
+            return Err(size.max(smallest));
         }
         // A motion that has just begun requires no shorter steps.
         let ratio = if has_begun { ratio } else { ratio.min(AIM) };
@@ -199,7 +237,13 @@ impl StepSizeState {
             let before = if self.ratio > 0.0 { (self.ratio / AIM).max(tolerances::EXACT) } else { relative };
             let factor = (relative.powf(-2.0 / 3.0) * before.powf(1.0 / 3.0)).powf(1.0 / order);
             next.dt = dt * factor.clamp(SHORTER, LONGER);
-            next.usual = if dt >= self.usual { dt } else { self.usual * (dt / self.usual).powf(FORGETTING * dt / self.usual) };
+            // Short steps that an event left and that only grow say nothing of the usual size: touches in quick succession would shorten
+            // it, and with it the error admissible for the next one, to nothing.
+            next.usual = match dt >= self.usual {
+                true => dt,
+                false if factor >= LONGER => self.usual,
+                false => self.usual * (dt / self.usual).powf(FORGETTING * dt / self.usual),
+            };
             next.ratio = ratio.min(1.0);
         }
         if plastic_ratio > AIM {
@@ -210,7 +254,7 @@ impl StepSizeState {
 
     /// Growth of the error in the step by second and by third differences, for each component; `None` if too few states are stored.
     fn growth(&self, step: &Stepped, velocity: &[f64]) -> Option<[Vec<f64>; 2]> {
-        let &Stepped { scheme: Scheme { error, .. }, dt, v_0, .. } = step;
+        let &Stepped { scheme: Scheme { error, .. }, dt, v: [v_0, _], .. } = step;
         // Mean velocities over past intervals up to now, the last one first; the velocity itself for an interval of zero length.
         let stretches: [(f64, &[f64]); 3] = match &self.steps[..] {
             [] => return None,

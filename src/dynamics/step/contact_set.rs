@@ -13,6 +13,7 @@ use crate::dynamics::parts::friction_rows::{FrictionRows, NormalState, SlipRow};
 use crate::dynamics::parts::laws::RowState;
 use crate::dynamics::parts::slip_group::SlipGroup;
 use crate::dynamics::parts::slip_vector::SlipVector;
+use crate::math::norms::largest_size;
 use crate::math::tolerances;
 
 /// All contact pairs with their evaluations at an iterate.
@@ -137,7 +138,9 @@ pub fn worst_violation<const D: usize>(
     dropped: &[bool],
 ) -> (f64, usize, f64) {
     let (mut worst, mut worst_row, mut work) = (0.0, 0, 0.0);
+    let reach = largest_size(&at.q_1);
     for (pair, evaluation) in pairs_at(equations, at) {
+        let gap_tolerance = pair.gap_tolerance_at(reach);
         for row in pair.rows.clone().filter(|&row| !dropped[row]) {
             let (local, lambda) = (row - pair.rows.start, at.lambda[row]);
             // A node without an opposite facet must not keep its multiplier: the force has no gap function.
@@ -146,7 +149,7 @@ pub fn worst_violation<const D: usize>(
             } else {
                 (lambda / pair.c, lambda * conditions.gap_n[row])
             };
-            let violation = natural.abs() / pair.gap_tolerance;
+            let violation = natural.abs() / gap_tolerance;
             if violation > worst {
                 (worst, worst_row) = (violation, row);
             }

@@ -1,0 +1,15 @@
+//! Tolerances of step size control.
+
+/// Growth of the relative position error in a step that round-off and Newton's tolerance cause alone.
+pub const STILL: f64 = 1e-12;
+
+/// Position error of a step, relative to the largest coordinate, that is round-off in models with contacts or rigid bodies: third
+/// differences of a body held at rest by friction reach 1e-14.
+pub const STILL_AT: f64 = 1e-13;
+
+/// Default of the smallest adaptive step, relative to the first step: resolving an impact to this accuracy costs some twenty refused steps.
+pub const SMALLEST_STEP: f64 = 1e-6;
+
+/// Error of a first touch, relative to the largest coordinate, below which no shorter step is tried: in a step in which a body moves by a
+/// ten-millionth of the largest coordinate, the contact force of an impact does work of 1e-11 of the energy on the round-off of positions.
+pub const TOUCH: f64 = 1e-6;
