@@ -32,6 +32,34 @@ pub const ATTEMPTS: [(Strategy, Correction); 5] = [
     (Strategy::Backtracking, Correction::PerNode),
 ];
 
+/// Order of the attempts, by their indices in [`ATTEMPTS`].
+pub type AttemptOrder = [usize; ATTEMPTS.len()];
+
+/// Order of the attempts in the plane.
+const IN_PLANE: AttemptOrder = [0, 1, 2, 3, 4];
+
+/// Order of the attempts in space. Edges of both sides that coincide on a length (rings of equal height with equal layers) are kinks of all
+/// their contact elements. The correction of one element depends on the direction of its motion `p` without rigid motions, and its
+/// derivative on `1/|p|`. In the sum over the elements of a node the kinks of inner edges cancel.
+const IN_SPACE: AttemptOrder = [0, PER_NODE, 1, 3, 4];
+
+/// Order of the attempts in space with friction. Surfaces that stick move by 1e-9 of a facet relative to each other. With corrections of
+/// elements the tangent has entries of 2000 times the stiffness of the nodes (`tests/scripts/flush_friction.rhai`), and no set of sticking
+/// and slipping constraints is a solution.
+const IN_SPACE_WITH_FRICTION: AttemptOrder = [PER_NODE, 0, 1, 3, 4];
+
+/// Index in [`ATTEMPTS`] of one correction per node.
+pub const PER_NODE: usize = 2;
+
+/// Order of the attempts for models in `dimension` dimensions.
+pub fn usual_order(dimension: usize, has_friction: bool) -> AttemptOrder {
+    match (dimension, has_friction) {
+        (3, true) => IN_SPACE_WITH_FRICTION,
+        (3, false) => IN_SPACE,
+        _ => IN_PLANE,
+    }
+}
+
 /// Number of steps after which the usual attempt is the first one again.
 const PREFERRED_STEPS: u8 = 8;
 
@@ -51,16 +79,18 @@ impl PreferredAttempt {
     }
 
     /// Indices of the attempts in the order of trial.
-    pub fn order(self) -> impl Iterator<Item = usize> {
-        let first = if self.steps < PREFERRED_STEPS { usize::from(self.attempt) } else { 0 };
-        std::iter::once(first).chain((0..ATTEMPTS.len()).filter(move |&attempt| attempt != first))
+    pub fn order(self, usual: AttemptOrder) -> impl Iterator<Item = usize> {
+        let is_usual = self.steps == 0 || self.steps >= PREFERRED_STEPS;
+        let first = if is_usual { usual[0] } else { usize::from(self.attempt) };
+        std::iter::once(first).chain(usual.into_iter().filter(move |&attempt| attempt != first))
     }
 
     /// Preference after a step solved by the attempt with this index.
-    pub fn after(self, attempt: usize) -> PreferredAttempt {
+    pub fn after(self, attempt: usize, usual: AttemptOrder) -> PreferredAttempt {
+        let is_usual = attempt == usual[0];
         let attempt = attempt as u8;
         match attempt {
-            0 => PreferredAttempt::default(),
+            _ if is_usual => PreferredAttempt::default(),
             _ if attempt == self.attempt && self.steps < PREFERRED_STEPS => PreferredAttempt { attempt, steps: self.steps + 1 },
             _ => PreferredAttempt { attempt, steps: 1 },
         }

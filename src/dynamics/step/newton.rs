@@ -5,7 +5,7 @@
 //! by the natural residual `min(lambda, c Phi)` and by the energy error, the work of the residual along the displacement in the step, not
 //! by an unchanged set.
 
-use super::attempts::{ATTEMPTS, PreferredAttempt, Strategy};
+use super::attempts::{ATTEMPTS, PER_NODE, PreferredAttempt, Strategy, usual_order};
 use super::conditions::Conditions;
 use super::contact_set::{constraint_rows, drop_slivers, has_row, pairs_at, slips_at, starting_set, worst_violation};
 use super::convergence::{Convergence, IterateDecision, Iteration};
@@ -87,6 +87,10 @@ const LARGEST_LIMIT: f64 = 10.0;
 /// where no inertia compensates for it.
 const FAR: f64 = 2.0;
 
+/// Iterations with a constant active set at the end of a failed attempt after which another discrete gradient is tried before the step is
+/// halved.
+const SOME_ITERATIONS: usize = 4;
+
 /// Fractions of an increment that backtracking tries.
 const FRACTIONS: [f64; 4] = [1.0, 0.5, 0.25, 0.125];
 
@@ -104,7 +108,8 @@ where
     let mut outcome = Err(Failure::Iterations);
     // The correction affects the discrete gradients of facet pairs only.
     let has_facets = system.pairs.iter().any(|pair| !pair.kind.is_of_points());
-    let attempts = task.preferred.order().filter(|&index| has_facets || ATTEMPTS[index].1 == Correction::default());
+    let usual = usual_order(D, has_facets && system.pairs.iter().any(|pair| pair.friction.is_some()));
+    let attempts = task.preferred.order(usual).filter(|&index| has_facets || ATTEMPTS[index].1 == Correction::default());
     for (number, index) in attempts.enumerate() {
         let ((strategy, correction), before) = (ATTEMPTS[index], system.counters.factorizations);
         if number > 0 {
@@ -115,7 +120,7 @@ where
         system.equations.set_correction(Correction::default());
         system.is_far = false;
         match &mut outcome {
-            Ok(solution) => solution.preferred = task.preferred.after(index),
+            Ok(solution) => solution.preferred = task.preferred.after(index, usual),
             Err(_) => system.counters.discarded += system.counters.factorizations - before,
         }
         // A cell inverted by the first strategy is also inverted by the others.
@@ -123,7 +128,10 @@ where
         // If vertices of both meshes coincide, another discrete gradient may avoid the kink that stops convergence. Steps with violated
         // contact conditions are rather halved.
         let is_far = !task.is_patient && trace.iterations.last().is_some_and(|last| last.violation > 1.0);
-        if system.multipliers == 0 || is_inverted || is_far || matches!(outcome, Ok(_) | Err(Failure::Fatal(_))) {
+        // In space, kinks of coinciding edges stop convergence although the active set stays; with one correction per node they cancel.
+        let is_set_constant = trace.iterations.iter().rev().take(SOME_ITERATIONS).all(|one| one.changed.is_empty());
+        let may_be_kink = D == 3 && number == 0 && index != PER_NODE && is_set_constant;
+        if system.multipliers == 0 || is_inverted || is_far && !may_be_kink || matches!(outcome, Ok(_) | Err(Failure::Fatal(_))) {
             break;
         }
     }
