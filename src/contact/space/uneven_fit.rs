@@ -23,8 +23,8 @@ use crate::math::tolerances::STRAIGHT;
 /// `hex8` with 28 on 20 cells around: 9.4 and 8.4 for interferences of 1e-4 and 1e-3 of the radius.
 const RESPONSE: f64 = 9.0;
 
-/// [`RESPONSE`] for facets of three nodes. Measured: 48 in fits of tubes of `tet4` with 28 on 20 cells around and an interference of 1e-3 of
-/// the radius, 33 and 55 in fits of spheres of `tet10` with 24 on 16 cells around and interferences of 1e-5 and 1e-4.
+/// [`RESPONSE`] for facets of three nodes. Measured: 48 in fits of tubes of `tet4` with 28 on 20 cells around and an interference of 1e-3
+/// of the radius, 33 and 55 in fits of spheres of `tet10` with 24 on 16 cells around and interferences of 1e-5 and 1e-4.
 const RESPONSE_OF_TRIANGLES: f64 = 45.0;
 
 /// Covered share of a secondary node's weight function from which its overlap counts.

@@ -161,8 +161,8 @@ mod tests {
 
     use super::super::definitions::BodyDefinition;
     use super::*;
-    use crate::materials::NeoHookean;
     use crate::elements::CellKind;
+    use crate::materials::NeoHookean;
     use crate::mesh::{Round, rectangle, ring};
 
     /// A block on the ground block, both 1 x 1.
