@@ -21,7 +21,7 @@ use super::closing::{Closing, Moments, Tilt};
 use super::profiles::Form;
 use super::vertices::{Forces, NODES, OfPrimary, PerTriangle, PolygonBorder, Vertex, outward, shape_gradients, sides, slope, slope_of};
 use crate::contact::numbers::Number;
-use crate::math::tolerances::{FACING_AREA, STRAIGHT};
+use crate::math::tolerances::FACING_AREA;
 
 /// Part of a primary triangle inside of a secondary one.
 #[derive(Clone)]
@@ -328,8 +328,8 @@ impl Polygon<OfPrimary> {
                     let (along, across) = (own[(usize::from(on) + 2) % 3], gradients[1][(usize::from(by) + 2) % 3]);
                     let product = along[0] * across[0] + along[1] * across[1];
                     let squares = (along[0] * along[0] + along[1] * along[1]) * (across[0] * across[0] + across[1] * across[1]);
-                    // Sides along each other have no crossing; a corner between them stays.
-                    let inverse = if product * product > STRAIGHT * STRAIGHT * squares { product.recip() } else { 0.0 };
+                    // Sides that are parallel to round-off have no crossing; a corner between them stays.
+                    let inverse = if product.abs() > f64::EPSILON * squares.sqrt() { product.recip() } else { 0.0 };
                     let [x, y] = [along[0] * inverse, along[1] * inverse];
                     [[x * across[0], x * across[1]], [y * across[0], y * across[1]]]
                 }
