@@ -327,9 +327,8 @@ impl Polygon<OfPrimary> {
                     // The shape function of the opposite corner is zero along a side.
                     let (along, across) = (own[(usize::from(on) + 2) % 3], gradients[1][(usize::from(by) + 2) % 3]);
                     let product = along[0] * across[0] + along[1] * across[1];
-                    let squares = (along[0] * along[0] + along[1] * along[1]) * (across[0] * across[0] + across[1] * across[1]);
-                    // Sides that are parallel to round-off have no crossing; a corner between them stays.
-                    let inverse = if product.abs() > f64::EPSILON * squares.sqrt() { product.recip() } else { 0.0 };
+                    // Parallel sides have no crossing; a corner between them stays.
+                    let inverse = if product == 0.0 { 0.0 } else { product.recip() };
                     let [x, y] = [along[0] * inverse, along[1] * inverse];
                     [[x * across[0], x * across[1]], [y * across[0], y * across[1]]]
                 }
