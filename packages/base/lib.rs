@@ -1,4 +1,4 @@
-//! Floors 0, 1 and 3 of Conserva: numbers, reference cells, the linear solver, stored-energy laws, time integrators.
+//! Floors 0 to 2 of Conserva: numbers, reference cells, the linear solver, stored-energy laws, time integrators.
 //!
 //! The modules stand in floor order: each names only modules above it in this list (`src/README.md` tells why).
 

@@ -1,4 +1,4 @@
-//! Floor 2 of Conserva: meshes, their generators, checks and files.
+//! Floor 3 of Conserva: meshes, their generators, checks and files.
 //! `src/README.md` tells what is in it.
 
 #![deny(missing_docs)]

@@ -201,6 +201,23 @@ impl std::fmt::Display for Finding {
                 100.0 * lost.abs() / interference,
                 if *lost > 0.0 { "loose" } else { "tight" }
             ),
+            Finding::Untied { nodes, of, reach, .. } => {
+                let many = if nodes == of {
+                    format!("none of the {of} nodes has anything")
+                } else {
+                    format!("{nodes} of {of} nodes have nothing")
+                };
+                write!(out, "{many} opposite within the reach of {}", three_digits(*reach))
+            }
+            Finding::CoarseFit { .. } | Finding::UnevenFit { .. } | Finding::ConstantStrain { .. } => self.write_press_fit(out),
+        }
+    }
+}
+
+impl Finding {
+    /// Writes the message about a press fit in space; nothing for other findings.
+    fn write_press_fit(&self, out: &mut std::fmt::Formatter) -> std::fmt::Result {
+        match self {
             Finding::CoarseFit { secondary, primary, of: PressFit { interference, missed, .. } } => write!(
                 out,
                 "facets of \"{secondary}\" and \"{primary}\" are too coarse for their press fit: curves through their nodes overlap by {}, \
@@ -223,19 +240,10 @@ impl std::fmt::Display for Finding {
                 100.0 * error,
                 three_digits(*thickness)
             ),
-            Finding::Untied { nodes, of, reach, .. } => {
-                let many = if nodes == of {
-                    format!("none of the {of} nodes has anything")
-                } else {
-                    format!("{nodes} of {of} nodes have nothing")
-                };
-                write!(out, "{many} opposite within the reach of {}", three_digits(*reach))
-            }
+            _ => Ok(()),
         }
     }
-}
 
-impl Finding {
     /// Stable message code, which `conserva doc` explains.
     pub fn code(&self) -> &'static str {
         match self {

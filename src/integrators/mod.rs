@@ -1,4 +1,4 @@
-//! Floor 3 of `ARCHITECTURE.md`: algorithmic gradients of potentials across a step, and the time integrators; one file and one row of
+//! Floor 2 of `ARCHITECTURE.md`: algorithmic gradients of potentials across a step, and the time integrators; one file and one row of
 //! [`CATALOGUE`] each.
 //!
 //! A [`Scheme`] is data. Element loop and contact kernels receive its [`Derivative`], a step reads its coefficients and history variables,

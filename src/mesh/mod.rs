@@ -1,4 +1,4 @@
-//! Floor 2 of `ARCHITECTURE.md`: nodes, cells and named boundaries; generators, readers and checks.
+//! Floor 3 of `ARCHITECTURE.md`: nodes, cells and named boundaries; generators, readers and checks.
 //!
 //! A mesh is plain data whose dimension is that of its cell kinds; points always have three coordinates (the third is zero in the plane),
 //! so that readers, generators and writers need no dimension parameter. Kernels copy the data they need once.

@@ -21,8 +21,8 @@ use source::{Source, repository, sources};
 const FLOORS: &[&[&str]] = &[
     &["machine", "math"],
     &["elements", "linear", "materials"],
-    &["mesh"],
     &["integrators"],
+    &["mesh"],
     &["bodies", "contact"],
     &["dynamics"],
     &["output"],
