@@ -71,7 +71,8 @@ where
         let (system, old) = (&self.system, &self.state);
         let mut sums = vec![[0.0f64; 3]; system.pairs.len()];
         for (index, pair) in system.pairs.iter().enumerate() {
-            let Some(friction) = &pair.friction else { continue };
+            // Sticking penalty springs deform, with a shear below its limit: that is no slip that ends.
+            let Some(friction) = pair.friction.as_ref().filter(|_| pair.has_multipliers()) else { continue };
             let sum = &mut sums[pair.corners.map_or(index, |corners| corners.pair)];
             for (local, row) in pair.rows.clone().enumerate() {
                 // First touches have an error of their own.
