@@ -8,6 +8,8 @@ use conserva::materials::{Branch, ElasticPlastic, Hardening, LINEAR, Material, N
 use conserva::math::workers::Workers;
 use conserva::mesh::{Mesh, block, rectangle};
 
+use crate::common::Random;
+
 /// Viscous body of a few cells, with displacements at start and end of a step.
 struct Body<const D: usize> {
     elements: Box<dyn ElementLoop<D>>,
@@ -27,14 +29,8 @@ where
         let vertices = vec![Vertex::coordinates(D as u8); mesh.points.len()];
         let pattern = Pattern::new(&vertices, elements.cliques().iter().map(|clique| &clique[..]));
         elements.place(&pattern);
-        let mut seed = 3u64;
-        let ends = [0.02, 0.05].map(|size| {
-            let mut random = || {
-                seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-                size * ((seed >> 11) as f64 / (1u64 << 52) as f64 - 1.0)
-            };
-            (0..D * mesh.points.len()).map(|_| random()).collect()
-        });
+        let mut random = Random(3);
+        let ends = [0.02, 0.05].map(|size| (0..D * mesh.points.len()).map(|_| size * random.next()).collect());
         Body { elements, pattern, ends }
     }
 

@@ -61,7 +61,7 @@ pub fn press_fit(secondary: &Surface, primary: &Surface, q: &[f64], shape: Facet
         if rises[0] != 0.0 && fits && normal.dot(&against) < 0.0 && depth.abs() < sizes[1] {
             depths.push(depth);
             heights += rises[1];
-            curvature += 12.0 * rises[0].abs() / sizes[0].powi(2);
+            curvature += own[0].curvature(facet, sizes[0]);
             (0..2).for_each(|side| missed[side] += (rises[side] - seen[side]).abs());
         }
     }

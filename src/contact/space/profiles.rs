@@ -193,6 +193,11 @@ impl Profiles {
         self.heights[facet]
     }
 
+    /// Magnitude of the sum of the principal curvatures of a facet of the length `size`, whose mean height is `k l^2/12` `[1/length]`.
+    pub fn curvature(&self, facet: usize, size: f64) -> f64 {
+        12.0 * self.height(facet).abs() / size.powi(2)
+    }
+
     /// Largest mean height of a convex surface over the given facets, by which sub-facet points may lie above the surface `[length]`.
     pub fn raised_by(&self, facets: &[u32]) -> f64 {
         facets.iter().filter_map(|&facet| self.heights.get(facet as usize)).copied().fold(0.0, f64::max)

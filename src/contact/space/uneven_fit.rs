@@ -55,9 +55,14 @@ impl UnevenFit {
 }
 
 /// Evenness of the overlap of two surfaces between model nodes at `q`; `None` unless both are curved and overlap on average.
-pub fn uneven_fit(seen: &ProxySurfacesInSpace, q: &[f64]) -> Option<UnevenFit> {
-    let mut kernel = seen.on_nodes(MortarInSpace::kernel(seen), true);
+pub fn uneven_fit(surfaces: &ProxySurfacesInSpace, q: &[f64]) -> Option<UnevenFit> {
+    let mut kernel = surfaces.on_nodes(MortarInSpace::kernel(surfaces), true);
     let size = kernel.facet_size();
+    let curvature = curvature(kernel.secondary(), q);
+    // Flat surfaces overlap evenly: no pairs of facets are searched for them.
+    if curvature * size <= STRAIGHT {
+        return None;
+    }
     kernel.update_candidates(&PredictedMotion { q, motion_bound: MotionBound::UpTo(0.0), reach: 1.0, depth: DEEP * size });
     kernel.begin_step(q);
     let overlaps: Vec<Option<f64>> = kernel
@@ -76,10 +81,9 @@ pub fn uneven_fit(seen: &ProxySurfacesInSpace, q: &[f64]) -> Option<UnevenFit> {
     let deviations: Vec<f64> =
         (0..overlaps.len()).filter_map(|node| Some(overlaps[node]? - around(surface, node, &overlaps, q)?)).collect();
     let deviation = (deviations.iter().map(|r| r * r).sum::<f64>() / deviations.len().max(1) as f64).sqrt();
-    let curvature = curvature(surface, q);
     let response = if surface.facet(0).len() == 3 { RESPONSE_OF_TRIANGLES } else { RESPONSE };
     let pressure_error = response * deviation / (interference * curvature * size);
-    (curvature * size > STRAIGHT && deviation > 0.0).then_some(UnevenFit { interference, deviation, pressure_error })
+    (deviation > 0.0).then_some(UnevenFit { interference, deviation, pressure_error })
 }
 
 /// Overlap at a node that follows linearly from those of its neighbors; `None` for nodes with too few of them.
@@ -110,11 +114,9 @@ fn faces_around(surface: &Surface, node: usize) -> impl Iterator<Item = usize> {
 }
 
 /// Mean sum of the principal curvatures over the facets of a surface `[1/length]`.
-///
-/// Over a facet of the size `l` the mean height is `k l^2/12`.
 fn curvature(surface: &Surface, q: &[f64]) -> f64 {
     let profiles = Profiles::of_curve(surface, q, super::press_fit::CURVE);
-    let of = |facet: usize| 12.0 * profiles.height(facet).abs() / surface.facet_size(facet, q).powi(2);
+    let of = |facet: usize| profiles.curvature(facet, surface.facet_size(facet, q));
     (0..surface.count()).map(of).sum::<f64>() / surface.count() as f64
 }
 

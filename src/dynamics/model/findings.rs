@@ -7,8 +7,8 @@ use super::definitions::Model;
 use super::depths::Depths;
 use super::interactions::{BodyBoundary, Interaction, Partner};
 use crate::contact::{
-    FacetShape, Finding, NamedSurface, PatchFunctions, ProxySurfacesInSpace, Surface, Tie, check_surfaces, constant_strain_error,
-    facing_away, polygon_fit, press_fit, uneven_fit,
+    FacetShape, Finding, NamedSurface, PatchFunctions, Surface, Tie, check_surfaces, constant_strain_error, facing_away, polygon_fit,
+    press_fit, uneven_fit,
 };
 
 impl Model {
@@ -114,10 +114,8 @@ impl Model {
                 return Some(Finding::CoarseFit { secondary, primary, of });
             }
             let faces = [side, on].map(|on| boundary_faces(self, on, first[on.body]));
-            let exact = interaction.exact_shapes();
-            let seen = ProxySurfacesInSpace::new(faces.each_ref().map(|faces| &faces[..]), reference).of_shape(shape);
-            let seen = seen.of_exact(exact.map(|shape| shape.map(|shape| move |x, normal| shape.height_in_space(x, normal))));
-            match uneven_fit(&seen, reference).filter(|of| of.is_distorted()) {
+            let surfaces = interaction.proxy_surfaces_in_space(&faces, reference);
+            match uneven_fit(&surfaces, reference).filter(|of| of.is_distorted()) {
                 Some(of) => Some(Finding::UnevenFit { secondary, primary, of }),
                 None => self.constant_strain([side, on], of_facets?.curvature),
             }

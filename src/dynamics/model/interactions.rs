@@ -6,7 +6,8 @@ use std::sync::Arc;
 use super::amplitude::{Amplitude, TimeFunctionError};
 use super::update_rules::UpdateRule;
 use crate::contact::{
-    ContactKernel, ContactMethod, ExactShape, FacetShape, FrictionLaw, MORTAR, Obstacle, ObstaclePlacement, TurningAxis, TurningContact,
+    ContactKernel, ContactMethod, ExactShape, FacetShape, FrictionLaw, MORTAR, Obstacle, ObstaclePlacement, ProxySurfacesInSpace,
+    TurningAxis, TurningContact,
 };
 use crate::mesh::Boundary;
 
@@ -204,6 +205,14 @@ impl Interaction {
     /// Exact shapes of the secondary and of the primary side.
     pub fn exact_shapes(&self) -> [Option<ExactShape>; 2] {
         self.shapes.each_ref().map(|shape| shape.as_ref().and_then(ExactShape::new))
+    }
+
+    /// Surfaces of a contact in space between the faces of both sides, with facets of its shape and its exact shapes, for nodes at
+    /// `reference`.
+    pub fn proxy_surfaces_in_space<'a>(&self, faces: &[Vec<Vec<u32>>; 2], reference: &'a [f64]) -> ProxySurfacesInSpace<'a> {
+        let exact = self.exact_shapes();
+        let surfaces = ProxySurfacesInSpace::new(faces.each_ref().map(|faces| &faces[..]), reference).of_shape(self.facet_shape(3));
+        surfaces.of_exact(exact.map(|shape| shape.map(|shape| move |x, normal| shape.height_in_space(x, normal))))
     }
 
     /// True if the interaction is a tie.

@@ -118,9 +118,7 @@ impl Pairing<'_> {
     fn in_space(&self, interaction: &Interaction) -> ProxySurfacesInSpace<'_> {
         let primary = if self.round.bodies(interaction).is_some() { &[] } else { interaction.primary() };
         let faces = [std::slice::from_ref(&interaction.secondary), primary].map(|side| facets_of_all(side, self.faces));
-        let exact = interaction.exact_shapes();
-        let seen = ProxySurfacesInSpace::new(faces.each_ref().map(|faces| &faces[..]), self.reference).of_shape(interaction.facet_shape(3));
-        seen.of_exact(exact.map(|shape| shape.map(|shape| move |x, normal| shape.height_in_space(x, normal))))
+        interaction.proxy_surfaces_in_space(&faces, self.reference)
     }
 
     fn pair_of(&self, interaction: &Interaction) -> ContactPair {
