@@ -1,5 +1,7 @@
 //! Mid-side nodes of second-order cells placed on the exact curve or surface of an edge.
 
+use std::ops::Range;
+
 use nalgebra::Vector3;
 
 use super::{Mesh, MeshError};
@@ -79,12 +81,17 @@ fn about(center: [f64; 2], [a, b]: [[f64; 3]; 2]) -> Option<[f64; 3]> {
 }
 
 impl Mesh {
-    /// [`Mesh::with_cells`] with the mid-side nodes of second-order cells on the exact curves of their edges.
+    /// [`Mesh::with_cells`] with the mid-side nodes of second-order cells on the exact curves of their edges, and the centers of the faces of
+    /// hexahedra with 27 nodes on the exact surfaces.
     ///
     /// # Errors
     /// Errors of [`Mesh::with_cells`]; cells so coarse that they are inverted.
     pub fn with_round_cells(&self, kind: CellKind, round: Round) -> Result<Mesh, MeshError> {
-        self.with_cells(kind)?.curved(|_, ends| round.middle(ends))
+        let mut mesh = self.with_cells(kind)?.curved(|_, ends| round.middle(ends))?;
+        for cell in 0..mesh.cell_count() {
+            mesh.center_on(cell, round);
+        }
+        mesh.checked()
     }
 
     /// Mesh with the mid-side nodes of edges at the positions of `middle`, given the end nodes of an edge and their positions; nodes in
@@ -110,6 +117,28 @@ impl Mesh {
             self.center(cell);
         }
         self.checked()
+    }
+
+    /// Moves the centers of those faces of a hexahedron with 27 nodes whose middle lines are curves of the given shape to the point where the
+    /// two lines cross, and the center of the cell to the position that follows from its faces.
+    fn center_on(&mut self, cell: usize, round: Round) {
+        let kind = self.kind_of(cell);
+        if kind != CellKind::Hex27 {
+            return;
+        }
+        let nodes = self.cell(cell).to_vec();
+        for facet in kind.facets() {
+            let point = |local: usize| self.points[nodes[facet[local]] as usize];
+            let crossing = [[4, 6], [5, 7]].map(|ends| round.middle(ends.map(point)));
+            if let [Some(a), Some(b)] = crossing
+                && let Some(place) = round.middle([a, b])
+            {
+                self.points[nodes[facet[8]] as usize] = place;
+            }
+        }
+        let sum = |range: Range<usize>, i: usize| nodes[range].iter().map(|&node| self.points[node as usize][i]).sum::<f64>();
+        let center = [0, 1, 2].map(|i| 0.5 * sum(20..26, i) - 0.25 * sum(8..20, i) + 0.125 * sum(0..8, i));
+        self.points[nodes[26] as usize] = center;
     }
 
     /// Moves the nodes in the faces and in the center of a cell to the positions that follow from its edges.
@@ -168,6 +197,31 @@ mod tests {
                 assert!((rate - expected).abs() < 0.2, "{name} {kind:?}: {errors:?}, order {rate}");
             }
         }
+    }
+
+    #[test]
+    fn centers_of_curved_faces_lie_on_the_exact_surface() {
+        let round = Round::AboutPoint([0.0; 3]);
+        let shell = hollow_sphere([0.5, 1.0], [1, 8], [0.0; 3], 1.0).unwrap().with_round_cells(CellKind::Hex27, round).unwrap();
+        let base = Round::About([0.0; 2]);
+        let pipe = tube([0.5, 1.0], 1.0, [1, 8, 1], [0.0; 3], [1.0; 2]).unwrap().with_round_cells(CellKind::Hex27, base).unwrap();
+        let die = rounded_block([1.5; 3], 0.25, [2; 3], [1, 4], [0.0; 3]).unwrap();
+        let [low, high] = [0.25, 1.25].map(|x| [x; 3]);
+        let die = die.with_round_cells(CellKind::Hex27, Round::OnBlock([low, high], 0.25)).unwrap();
+        let from_block = |x: [f64; 3]| (0..3).map(|i| (x[i] - x[i].clamp(low[i], high[i])).powi(2)).sum::<f64>().sqrt();
+        let off = |mesh: &Mesh, sides: &[&str], distance: &dyn Fn([f64; 3]) -> f64, radius: f64| {
+            let facets = sides.iter().flat_map(|side| &mesh.boundary(side).unwrap().facets);
+            let nodes = facets.flat_map(|&facet| mesh.facet_nodes(facet));
+            nodes.map(|node| (distance(mesh.points[node as usize]) - radius).abs()).fold(0.0, f64::max)
+        };
+        let norm = |x: [f64; 3]| Vector3::from(x).norm();
+        let radius = |x: [f64; 3]| x[0].hypot(x[1]);
+        for (side, r) in [("inner", 0.5), ("outer", 1.0)] {
+            assert!(off(&shell, &[side], &norm, r) < 1e-15);
+            assert!(off(&pipe, &[side], &radius, r) < 1e-15);
+        }
+        let sides: Vec<&str> = die.boundaries.iter().map(|boundary| boundary.name.as_str()).collect();
+        assert!(off(&die, &sides, &from_block, 0.25) < 1e-15, "{}", off(&die, &sides, &from_block, 0.25));
     }
 
     #[test]
