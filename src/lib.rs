@@ -131,13 +131,15 @@
 
 // The kernels are packages of their own (`packages/`), which changes above them do not recompile.
 #[doc(inline)]
-pub use conserva_base::{elements, integrators, linear, machine, materials, math};
+pub use conserva_base::{elements, integrators, linear, machine, math};
 #[doc(inline)]
 pub use conserva_bodies::bodies;
 #[doc(inline)]
 pub use conserva_contact::contact;
 #[doc(inline)]
 pub use conserva_dynamics::dynamics;
+#[doc(inline)]
+pub use conserva_materials::materials;
 #[doc(inline)]
 pub use conserva_mesh::mesh;
 

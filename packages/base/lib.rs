@@ -1,4 +1,4 @@
-//! Floors 0 to 2 of Conserva: numbers, reference cells, the linear solver, stored-energy laws, time integrators.
+//! Floors 0 to 2 of Conserva: numbers, reference cells, the linear solver, time integrators.
 //!
 //! The modules stand in floor order: each names only modules above it in this list (`src/README.md` tells why).
 
@@ -14,8 +14,6 @@ pub mod math;
 pub mod elements;
 #[path = "../../src/linear/mod.rs"]
 pub mod linear;
-#[path = "../../src/materials/mod.rs"]
-pub mod materials;
 
 #[path = "../../src/integrators/mod.rs"]
 pub mod integrators;

@@ -5,7 +5,9 @@
 #![forbid(unsafe_code)]
 
 #[doc(no_inline)]
-pub use conserva_base::{elements, integrators, linear, machine, materials, math};
+pub use conserva_base::{elements, integrators, linear, machine, math};
+#[doc(no_inline)]
+pub use conserva_materials::materials;
 #[doc(no_inline)]
 pub use conserva_mesh::mesh;
 

@@ -5,11 +5,13 @@
 #![forbid(unsafe_code)]
 
 #[doc(no_inline)]
-pub use conserva_base::{elements, integrators, linear, machine, materials, math};
+pub use conserva_base::{elements, integrators, linear, machine, math};
 #[doc(no_inline)]
 pub use conserva_bodies::bodies;
 #[doc(no_inline)]
 pub use conserva_contact::contact;
+#[doc(no_inline)]
+pub use conserva_materials::materials;
 #[doc(no_inline)]
 pub use conserva_mesh::mesh;
 

@@ -132,7 +132,7 @@ impl<const FMA: bool> Lanes<FMA> {
 
     /// Returns `value` in nonzero lanes of `self`, `otherwise` in zero lanes.
     #[inline(always)]
-    pub(crate) fn unless_zero(self, value: Self, otherwise: Self) -> Self {
+    pub fn unless_zero(self, value: Self, otherwise: Self) -> Self {
         let mut result = [0.0; WIDTH];
         for i in 0..WIDTH {
             result[i] = if self.0[i] == 0.0 { otherwise.0[i] } else { value.0[i] };
@@ -142,7 +142,7 @@ impl<const FMA: bool> Lanes<FMA> {
 
     /// `value` with the sign of `self`.
     #[inline(always)]
-    pub(crate) fn sign_to(self, value: Self) -> Self {
+    pub fn sign_to(self, value: Self) -> Self {
         self.zip(value, |sign, value| value.copysign(sign))
     }
 

@@ -7,7 +7,7 @@ pub mod digits;
 pub mod lanes;
 pub mod minimize;
 pub mod norms;
-pub(crate) mod principal;
+pub mod principal;
 pub mod rounds;
 pub mod signals;
 pub mod simd;

@@ -8,14 +8,16 @@ use super::tolerances::DIAGONAL;
 const SWEEPS: usize = 8;
 
 /// Principal values of a symmetric tensor and the principal directions as matrix rows.
-pub(crate) struct PrincipalAxes<const FMA: bool> {
-    pub(crate) values: [Lanes<FMA>; 3],
-    pub(crate) directions: [[Lanes<FMA>; 3]; 3],
+pub struct PrincipalAxes<const FMA: bool> {
+    /// Principal values, in no order `[of the tensor]`.
+    pub values: [Lanes<FMA>; 3],
+    /// Row `k` is the unit vector of the value `k` `[1]`.
+    pub directions: [[Lanes<FMA>; 3]; 3],
 }
 
 /// The matrix of a symmetric tensor in Mandel components.
 #[inline(always)]
-pub(crate) fn matrix<const FMA: bool, const S: usize>(tensor: &[Lanes<FMA>; S]) -> [[Lanes<FMA>; 3]; 3] {
+pub fn matrix<const FMA: bool, const S: usize>(tensor: &[Lanes<FMA>; S]) -> [[Lanes<FMA>; 3]; 3] {
     let mut matrix = [[Lanes::ZERO; 3]; 3];
     for (k, &(i, j)) in mandel_pairs::<S>().iter().enumerate() {
         let entry = tensor[k] * mandel_scale(i, j);
@@ -26,7 +28,7 @@ pub(crate) fn matrix<const FMA: bool, const S: usize>(tensor: &[Lanes<FMA>; S]) 
 
 /// Principal values and directions of a tensor in Mandel components; for plane tensors the third value is 0.
 #[inline(always)]
-pub(crate) fn principal<const FMA: bool, const S: usize>(tensor: &[Lanes<FMA>; S]) -> PrincipalAxes<FMA> {
+pub fn principal<const FMA: bool, const S: usize>(tensor: &[Lanes<FMA>; S]) -> PrincipalAxes<FMA> {
     let mut a = matrix(tensor);
     let (zero, one) = (Lanes::ZERO, Lanes::splat(1.0));
     let mut directions = [[one, zero, zero], [zero, one, zero], [zero, zero, one]];

@@ -285,7 +285,7 @@ const PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 
 
 /// Index pairs `(i, j)` of the `S` Mandel components of a tensor.
 #[inline(always)]
-pub(crate) const fn mandel_pairs<const S: usize>() -> [(usize, usize); S] {
+pub const fn mandel_pairs<const S: usize>() -> [(usize, usize); S] {
     let mut pairs = [(0, 1); S];
     let mut k = 0;
     while k < S {

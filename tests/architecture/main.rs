@@ -20,9 +20,9 @@ use source::{Source, repository, sources};
 /// Modules by floor, the lowest first.
 const FLOORS: &[&[&str]] = &[
     &["machine", "math"],
-    &["elements", "linear", "materials"],
+    &["elements", "linear"],
     &["integrators"],
-    &["mesh"],
+    &["materials", "mesh"],
     &["bodies", "contact"],
     &["dynamics"],
     &["output"],
@@ -32,8 +32,9 @@ const FLOORS: &[&[&str]] = &[
 ];
 
 /// Libraries of the packages, from the lowest floor upwards.
-const LIBRARIES: [&str; 6] = [
+const LIBRARIES: [&str; 7] = [
     "packages/base/lib.rs",
+    "packages/materials/lib.rs",
     "packages/mesh/lib.rs",
     "packages/bodies/lib.rs",
     "packages/contact/lib.rs",
