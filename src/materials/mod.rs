@@ -6,8 +6,6 @@
 
 mod arruda_boyce;
 mod batched;
-#[cfg(test)]
-mod closed_forms;
 mod energy;
 mod fit;
 mod free_thickness;
@@ -30,8 +28,6 @@ mod row;
 mod saint_venant_kirchhoff;
 mod soundness;
 mod split;
-#[cfg(test)]
-mod tests;
 mod viscosity;
 mod volume;
 mod yeoh;

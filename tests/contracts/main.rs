@@ -4,9 +4,13 @@
 mod common;
 
 mod bodies;
+mod closed_forms;
 mod contacts;
 mod elements;
+mod laws;
 mod masses;
+mod materials;
+mod mean_values;
 mod rigid_bodies;
 mod simulations;
 mod states;
