@@ -11,6 +11,7 @@ mod laws;
 mod masses;
 mod materials;
 mod mean_values;
+mod plasticity;
 mod rigid_bodies;
 mod simulations;
 mod states;
