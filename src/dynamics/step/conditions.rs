@@ -122,8 +122,8 @@ impl<const D: usize> Equations<D> {
         node.is_some_and(|node| self.bodies[self.body_of(node as usize)].rigid.is_some())
     }
 
-    /// True if the primary side of a contact belongs to a deformable body. A fine rigid face on a coarse deformable one has nearly dependent
-    /// constraints: with [`tolerances::RIGID_AUGMENTATION`] their gaps decrease by 1 % per iteration
+    /// True if the primary side of a contact belongs to a deformable body. A fine rigid face on a coarse deformable one has nearly
+    /// dependent constraints: with [`tolerances::RIGID_AUGMENTATION`] their gaps decrease by 1 % per iteration
     /// (`tests/scripts/rigid_friction_in_space.rhai`).
     fn touches_deformable(&self, pair: &ContactPair) -> bool {
         let contact = pair.corners.map_or(pair, |corners| &self.pairs[corners.pair]);
