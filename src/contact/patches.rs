@@ -225,6 +225,13 @@ impl Evaluation {
         }
     }
 
+    /// Replaces the share `share` of the algorithmic gradient by the gradient at the end of the step.
+    pub fn shift_to_end(&mut self, share: f64) {
+        if share != 0.0 {
+            self.gradient_bar.iter_mut().zip(&self.gradient_end).for_each(|(bar, end)| *bar += share * (end - *bar));
+        }
+    }
+
     /// Zeroes the blocks of contact element `p` if it was live and the evaluation stores all elements.
     pub(crate) fn clear_patch(&mut self, patches: &Patches, p: usize) {
         if std::mem::replace(&mut self.live[p], false) {

@@ -295,16 +295,28 @@ impl Scheme {
         self.lag.is_long() || self.stages().iter().any(|(_, stage)| stage.lag.is_long())
     }
 
-    /// True if an impact may change the velocities at the end of a step: the scheme has no history and no stages.
+    /// True if an impact may change the velocities at the end of a step: the scheme is implicit, and no stage goes backward in time.
     pub fn solves_impacts(&self) -> bool {
-        self.remembers.is_empty() && matches!(self.step, StepKind::Whole)
+        !self.is_static() && self.lumping().is_none() && !self.goes_back()
     }
 
-    /// True if forces of constraints oscillate from step to step without damping, so that the energy of rigid bodies and of joints grows:
-    /// the trapezoidal rule and the members of other families that equal it (Cardona and Géradin, Comput. Struct. 33, 1989).
+    /// True if forces of constraints that enter two steps oscillate from step to step without damping, so that the energy of rigid bodies
+    /// and of joints would grow: the trapezoidal rule and the members of other families that equal it (Cardona and Géradin, Comput.
+    /// Struct. 33, 1989).
     pub fn swings_at_constraints(&self) -> bool {
         let UpdateCoefficients { moved, velocity, .. } = self.velocity;
         self.remembers(History::Force) && matches!(self.step, StepKind::Whole) && moved == 2.0 && velocity == -1.0
+    }
+
+    /// Fraction of a step at whose configuration the forces of joints act.
+    pub fn share_of_joints(&self) -> f64 {
+        if self.swings_at_constraints() { 0.5 } else { self.derivative.placement().share }
+    }
+
+    /// Mean time of the forces that act in a step of a scheme with a force history, as a fraction of the step: in schemes of second order
+    /// its middle.
+    pub fn mean_time(&self) -> f64 {
+        if self.promises.order > 1 { 0.5 } else { self.weight }
     }
 
     /// Force history of a constant force, relative to the force.

@@ -116,6 +116,8 @@ pub struct ContactPair {
     pub gap_tolerance: f64,
     /// Weighted gap at the start of a step that counts as closed.
     pub closed: f64,
+    /// True if the multipliers of bilateral constraints enter only their own step, too.
+    pub acts_at_once: bool,
     places: Places,
 }
 
@@ -191,6 +193,7 @@ impl ContactPair {
             gap_tolerance,
             closed: (tolerances::CLOSED * size.powi(dimension)).max(10.0 * gap_tolerance),
             kernel,
+            acts_at_once: false,
             places: Places::default(),
         }
     }
@@ -239,9 +242,10 @@ impl ContactPair {
         self.penalties.get(row - self.rows.start).copied()
     }
 
-    /// True for contacts with friction, whose forces enter only their own step with every time integrator.
+    /// True if the multipliers enter only their own step: those of unilateral constraints and of friction with every time integrator, those
+    /// of bilateral constraints with [`Self::acts_at_once`].
     pub fn forces_stay_in_step(&self) -> bool {
-        self.friction.is_some()
+        self.friction.is_some() || self.is_unilateral() || self.acts_at_once
     }
 
     /// True if multipliers enforce the constraints.

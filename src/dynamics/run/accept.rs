@@ -20,7 +20,7 @@ use crate::dynamics::step::iterate::{Forces, Linearization};
 use crate::dynamics::step::newton::Solution;
 use crate::dynamics::step::scheme_history::SchemeHistory;
 use crate::dynamics::step::start::{Motion, StepStart};
-use crate::integrators::History;
+use crate::integrators::{Derivative, History};
 
 /// External forces and their work in a step.
 struct Outside {
@@ -259,7 +259,7 @@ where
         }
         // Multipliers at the start of the step do work; their forces belong to the force history.
         let (before, mut at_start) = (if is_long { 0.0 } else { 1.0 - scheme.weight }, vec![0.0; if is_long { 0 } else { unknowns }]);
-        for pair in system.pairs.iter().filter(|pair| !pair.forces_stay_in_step()) {
+        for (index, pair) in system.pairs.iter().enumerate().filter(|(_, pair)| !pair.forces_stay_in_step()) {
             let shares = |lambda: &[f64], share: f64| -> Vec<f64> { lambda[pair.rows.clone()].iter().map(|x| share * x).collect() };
             let (none, own) = (vec![0.0; pair.rows.len()], shares(lambda, scheme.weight));
             let mut work = pair.kernel.obstacle_force_into(scheme.derivative, &at.q_1, &none, &own, &mut obstacles);
@@ -268,18 +268,25 @@ where
                 work += pair.kernel.obstacle_force_into(scheme.derivative, &at.q_1, &lambda_n, &none, &mut at_start);
             }
             obstacle_work += work;
-            drive_works.extend(pair.drive.as_ref().map(|_| if is_long { work / scheme.weight } else { work }));
+            drive_works.extend(pair.drive.as_ref().map(|_| (index, if is_long { work / scheme.weight } else { work })));
         }
         if is_long {
             // The work of moving obstacles is that of the end forces over the whole step.
             obstacle_work /= scheme.weight;
         }
         let own = if remembers { [load.clone(), obstacles.clone()] } else { [Vec::new(), Vec::new()] };
-        for pair in system.pairs.iter().filter(|pair| pair.forces_stay_in_step()) {
-            let lambda = &lambda[pair.rows.clone()];
-            let none = vec![0.0; lambda.len()];
-            obstacle_work += pair.kernel.obstacle_force_into(scheme.derivative, &at.q_1, &none, lambda, &mut obstacles);
+        for (index, pair) in system.pairs.iter().enumerate().filter(|(_, pair)| pair.forces_stay_in_step()) {
+            let (none, end_share) = (vec![0.0; pair.rows.len()], start.end_share_of(pair));
+            let mut work = 0.0;
+            for (derivative, share) in [(start.derivative_of(pair), 1.0 - end_share), (Derivative::AT_END, end_share)] {
+                let own: Vec<f64> = lambda[pair.rows.clone()].iter().map(|lambda| share * lambda).collect();
+                work += pair.kernel.obstacle_force_into(derivative, &at.q_1, &none, &own, &mut obstacles);
+            }
+            obstacle_work += work;
+            drive_works.extend(pair.drive.as_ref().map(|_| (index, work)));
         }
+        drive_works.sort_by_key(|(index, _)| *index);
+        let drive_works = drive_works.into_iter().map(|(_, work)| work).collect();
         let is_grounded = |pair: &ContactPair| pair.reaction.as_ref().is_some_and(|reaction| reaction.is_grounded);
         let is_outside = |block: &RowBlock| block.is_slip() && (block.pair.kind == PairKind::Obstacle || is_grounded(block.pair));
         for block in system.blocks(&at.pairs, &at.slips).filter(is_outside) {

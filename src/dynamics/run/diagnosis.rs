@@ -102,11 +102,13 @@ where
             return cycling;
         }
         let ratios: Vec<f64> = self.tries.iter().map(|tried| tried.residual / tried.target).collect();
-        let nearer = ratios.len() > 1 && ratios.windows(2).all(|pair| pair[1] < 0.5 * pair[0]);
+        // Residuals below their targets are not the cause.
+        let is_short = self.trace.iterations.last().is_some_and(|iteration| iteration.residual > iteration.target);
+        let nearer = is_short && ratios.len() > 1 && ratios.windows(2).all(|pair| pair[1] < 0.5 * pair[0]);
         // The residual still decreased at the last iteration.
-        let falling = residuals.len() > CYCLE && last < 0.5 * residuals[residuals.len() - CYCLE];
+        let falling = is_short && residuals.len() > CYCLE && last < 0.5 * residuals[residuals.len() - CYCLE];
         if nearer || falling {
-            return FailureCause::StepLimit { ratios };
+            return FailureCause::StepLimit { ratios: if nearer { ratios } else { Vec::new() } };
         }
         if let Some(cycling) = self.trace.earlier.iter().find_map(|earlier| self.cycling_contact(earlier)) {
             return cycling;

@@ -33,7 +33,7 @@ where
         let JointTotals { force, moment, value, friction, friction_work, .. } =
             known.copied().unwrap_or_else(|| JointTotals { value: self.joint_value(joint, q, 0.0), ..JointTotals::default() });
         // Damped steps to an equilibrium reset the clock; their forces act at the end.
-        let share = if self.state.clock.count == 0 { 1.0 } else { self.options.integrator.derivative.placement().share };
+        let share = if self.state.clock.count == 0 { 1.0 } else { self.options.integrator.share_of_joints() };
         let coordinate = joint.kind.coordinate(D).map(|coordinate| (coordinate, value));
         let work = joint.drive.as_ref().map(|_| known.map_or(0.0, |known| known.work));
         let time = row.time - (1.0 - share) * row.dt;
@@ -43,7 +43,7 @@ where
 
     /// Forces of all joints in a step that ends at the iterate `at`, at the configuration where the forces act.
     pub(super) fn joints_after(&self, start: &StepStart, at: &Linearization, lambda: &[f64], works: &[f64]) -> Vec<JointTotals> {
-        let share = start.derivative().placement().share;
+        let share = if start.is_at_rest() { 1.0 } else { self.options.integrator.share_of_joints() };
         let acting: Vec<f64> = start.q_0.iter().zip(&at.q_1).map(|(q_0, q_1)| q_0 + share * (q_1 - q_0)).collect();
         self.joint_totals(&at.q_1, (&acting, [&at.pairs, &at.slips]), lambda, works)
     }

@@ -120,16 +120,25 @@ where
 
     /// Evaluates the contact functions of all pairs, and adds their tangents to that of the iterate if requested.
     fn evaluate_contacts(&mut self, start: &StepStart, at: &mut Linearization, wants_tangent: bool) {
-        let (derivative, shares, wants_tangent) = (start.derivative(), start.shares(), wants_tangent && !self.is_far);
+        let (shares, wants_tangent) = (start.shares(), wants_tangent && !self.is_far);
         let Linearization { q_1, moved, lambda, pairs, slips, tangent: values, .. } = at;
         pairs.resize_with(self.pairs.len(), Evaluation::default);
         slips.resize_with(self.pairs.len(), Evaluation::default);
         let pattern = &self.matrix.pattern;
         for ((pair, evaluation), slip) in self.equations.pairs.iter().zip(pairs.iter_mut()).zip(slips.iter_mut()) {
             let weight = if pair.forces_stay_in_step() { shares.alone } else { shares.lagging };
+            let (derivative, end_share) = (start.derivative_of(pair), start.end_share_of(pair));
+            let mut linearize = |derivative, share: f64, out: &mut Evaluation| {
+                let mut add = |p: usize, tangent: &[f64]| pair.tangent_into::<D>((pattern, p), share * weight, tangent, values);
+                let receiver: Option<&mut TangentSink> = if wants_tangent { Some(&mut add) } else { None };
+                pair.kernel.linearize(derivative, q_1, &lambda[pair.rows.clone()], out, receiver);
+            };
+            if end_share != 0.0 && wants_tangent {
+                linearize(Derivative::AT_END, end_share, &mut Evaluation::default());
+            }
+            linearize(derivative, 1.0 - end_share, evaluation);
+            evaluation.shift_to_end(end_share);
             let mut add = |p: usize, tangent: &[f64]| pair.tangent_into::<D>((pattern, p), weight, tangent, values);
-            let receiver: Option<&mut TangentSink> = if wants_tangent { Some(&mut add) } else { None };
-            pair.kernel.linearize(derivative, q_1, &lambda[pair.rows.clone()], evaluation, receiver);
             if let Some(friction) = &pair.friction {
                 let step = SlipStep { q_0: start.q_0, q_1, moved, test: start.friction_at(), live: &evaluation.live };
                 pair.kernel.evaluate_slips(step, &lambda[friction.rows.clone()], slip);

@@ -103,7 +103,8 @@ impl<const D: usize> Equations<D> {
             let Some(factor) = pair.augmentation else { continue };
             let weights = pair.kernel.weights();
             let of_area: f64 = pair.rows.clone().zip(weights).map(|(row, weight)| stiffness[row] * weight).sum();
-            let by_weight = pair.rows.len() as f64 / (factor.min(tolerances::RIGID_AUGMENTATION) * of_area);
+            let factor = if self.touches_deformable(pair) { factor } else { factor.min(tolerances::RIGID_AUGMENTATION) };
+            let by_weight = pair.rows.len() as f64 / (factor * of_area);
             pair.rows.clone().zip(weights).for_each(|(row, weight)| compliance[row] = by_weight * weight);
             pair.tangential().for_each(|(row, normal_row)| compliance[row] = compliance[normal_row]);
         }
@@ -119,6 +120,15 @@ impl<const D: usize> Equations<D> {
         let is_contact = pair.has_multipliers() && !pair.kind.is_bilateral();
         let node = if D == 3 && is_contact { pair.node_of(pair.rows.start) } else { None };
         node.is_some_and(|node| self.bodies[self.body_of(node as usize)].rigid.is_some())
+    }
+
+    /// True if the primary side of a contact belongs to a deformable body. A fine rigid face on a coarse deformable one has nearly
+    /// dependent constraints: with [`tolerances::RIGID_AUGMENTATION`] their gaps decrease by 1 % per iteration
+    /// (`tests/scripts/rigid_friction_in_space.rhai`).
+    fn touches_deformable(&self, pair: &ContactPair) -> bool {
+        let contact = pair.corners.map_or(pair, |corners| &self.pairs[corners.pair]);
+        let mut nodes = contact.kernel.primary().nodes().iter();
+        nodes.any(|&node| self.bodies[self.body_of(node as usize)].rigid.is_none())
     }
 
     /// Stiffness of the node of every constraint, pressure per weighted gap: its elastic stiffness and its inertia in a step.

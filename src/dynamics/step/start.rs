@@ -2,6 +2,7 @@
 
 use super::scheme_history::SchemeHistory;
 use crate::dynamics::model::part::{Iterate, Pose};
+use crate::dynamics::parts::contact_pair::ContactPair;
 use crate::dynamics::parts::force_shares::ForceShares;
 use crate::dynamics::parts::supports::PrescribedUnknown;
 use crate::integrators::{Configuration, Derivative, Dissipation, History, REST, Scheme, UpdateCoefficients};
@@ -114,6 +115,19 @@ impl StepStart<'_> {
     /// Algorithmic gradient of potentials.
     pub fn derivative(&self) -> Derivative {
         self.scheme().derivative
+    }
+
+    /// Algorithmic gradient of the constraints of `pair`. Multipliers that enter only their own step act at mid-step, at the mean time of
+    /// the forces of the other parts: at the end of the step they would exert a moment on a prestressed body that turns.
+    pub fn derivative_of(&self, pair: &ContactPair) -> Derivative {
+        let scheme = self.scheme();
+        if pair.forces_stay_in_step() && scheme.remembers(History::Force) { Derivative::DiscreteGradient } else { scheme.derivative }
+    }
+
+    /// Share of the gradient at the end of the step in the algorithmic gradient of `pair`, in addition to [`Self::derivative_of`].
+    pub fn end_share_of(&self, pair: &ContactPair) -> f64 {
+        let scheme = self.scheme();
+        if pair.forces_stay_in_step() && scheme.remembers(History::Force) { 2.0 * scheme.mean_time() - 1.0 } else { 0.0 }
     }
 
     /// Share of the static forces of this step in its equations.

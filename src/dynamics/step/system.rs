@@ -98,6 +98,7 @@ where
         if !integrator.solves_impacts() {
             pairs.iter_mut().for_each(|pair| pair.restitution = None);
         }
+        pairs.iter_mut().for_each(|pair| pair.acts_at_once = integrator.swings_at_constraints() && pair.has_multipliers());
         let normal_count = pairs.last().map_or(0, |pair| pair.rows.end);
         let multipliers =
             pairs.iter().filter_map(|pair| pair.friction.as_ref()).map(|friction| friction.rows.end).fold(normal_count, usize::max);

@@ -18,8 +18,8 @@ pub const SLIP_NOISE: f64 = 1e-10;
 /// of the multiplier. Without it, rigid bodies at rest with steps of 1e-4, piles and arches of rigid bodies fail.
 pub const SLIP_ROUND_OFF: f64 = 1e-2;
 
-/// Largest augmentation of contact constraints of a rigid body. Of 60 random bodies with friction 8 fail with 1e2, 5 with 1e3, 4 with 1e4;
-/// with 1e8 round-off of gaps becomes noise of multipliers.
+/// Largest augmentation of contact constraints of a rigid body against a rigid body or an obstacle. Of 60 random bodies with friction 8
+/// fail with 1e2, 5 with 1e3, 4 with 1e4; with 1e8 round-off of gaps becomes noise of multipliers.
 pub const RIGID_AUGMENTATION: f64 = 1e3;
 
 /// Compliance of a contact constraint, relative to that of its node, above which the compliance decreases from iteration to iteration while

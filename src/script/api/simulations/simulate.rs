@@ -18,7 +18,6 @@ use super::step_control::{STEP_SIZE, StepSize, step_size};
 use super::stills::{still_options, still_parameters};
 use crate::contact::Finding;
 use crate::dynamics::{LedgerRow, Model, Options, RedundantConstraints, Simulation};
-use crate::integrators::Scheme;
 use crate::linear::SolverChoice;
 use crate::materials::Weakness;
 use crate::math::catalogue::Interval;
@@ -166,7 +165,6 @@ fn make(call: &Call) -> Result<SimulationHandle, Failure> {
         call.host.warn(warning.code(finding.code()).hint(hint));
     }
     check_joints(call, &model, &simulation)?;
-    warn_of_constraints(call, &model.model, &integrator);
     warn_of_bodies(call, &model.model);
     warn_of_held(call, &model.model);
     for [moving, other] in model.model.meetings() {
@@ -270,19 +268,6 @@ fn check_joints(call: &Call, model: &ModelData, simulation: &Simulation) -> Resu
         );
     }
     Ok(())
-}
-
-/// Warns of rigid bodies and joints under an integrator that lets their energy grow.
-fn warn_of_constraints(call: &Call, model: &Model, integrator: &Scheme) {
-    let of_body = model.bodies.iter().find(|body| body.rigid.is_some()).map(|body| format!("rigid body \"{}\"", body.name));
-    let of_joint = || model.joints.first().map(|joint| format!("joint \"{}\"", joint.name));
-    let Some(what) = of_body.or_else(of_joint).filter(|_| integrator.swings_at_constraints()) else { return };
-    let title = format!("the energy of {what} grows with {}", title(integrator));
-    let warning = Diagnostic::warning(title, call.place(&Target::Call)).code("C0177");
-    let cause = "forces of constraints swing from step to step, and without numerical damping nothing ends it: in large rotations the \
-                 energy doubles in some tens of steps";
-    let hint = "take `energy_momentum()` or `midpoint()`, which conserve the energy, or `generalized_alpha()`, which damps";
-    call.host.warn(warning.cause(cause).hint(hint));
 }
 
 /// Largest number of processes of a distributed solver that a script starts, which is untrusted; the command line allows more.
