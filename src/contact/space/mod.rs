@@ -24,6 +24,7 @@ mod press_fit;
 mod profiles;
 mod quadric;
 mod rigid;
+mod rigid_part;
 mod rolling;
 mod round;
 mod second_order;
@@ -34,6 +35,7 @@ mod uneven_fit;
 mod vectors;
 mod vertices;
 mod view;
+mod weights;
 
 pub use corners::CornersInSpace;
 pub use facets::{Facets, FacetsError};

@@ -21,10 +21,12 @@
 use super::clipping::VERTICES;
 use super::polygon::Polygon;
 use super::profiles::Profile;
+use super::slip::Jet;
 use super::stiffness::Hessian;
 use super::vectors::Vec3;
 use super::vertices::{CORNERS, Forces, NODES};
 use super::view::{POINTS, View, are_apart, triangles};
+use super::weights::MortarWeights;
 use crate::contact::numbers::{Each, Number};
 use crate::math::simd::{Kernel, dispatch};
 
@@ -202,6 +204,11 @@ impl Pair<f64> {
     /// Gradients of all weighted gaps with a band of the width `band`, see [`Pair::gradient`], and the gaps.
     pub fn gradients(&self, band: f64) -> (Gradients, [f64; CORNERS]) {
         dispatch(OfEach { pair: self, band })
+    }
+
+    /// Mortar weights, see [`Pair::mortar_weights`], with their derivatives with respect to the node positions.
+    pub fn differentiated_weights(&self) -> [[Jet; NODES]; CORNERS] {
+        dispatch(MortarWeights { view: &self.view, polygons: &self.polygons })
     }
 
     /// Writes `share` times the derivatives of [`Pair::gradient`], row-major over the unknowns of the nodes.
