@@ -16,6 +16,7 @@ mod gaps;
 mod interior;
 mod mending;
 mod mortar;
+mod mortar_slip;
 mod nodes;
 mod obstacle;
 mod pair;

@@ -11,7 +11,7 @@ use super::profiles::Profile;
 use super::second_order::ProxySurfacesInSpace;
 use super::slip;
 use super::vectors::Vec3;
-use super::vertices::{CORNERS, NODES};
+use super::vertices::{CORNERS, UNKNOWNS};
 use crate::contact::faces;
 use crate::contact::kernel::{CandidateSearch, ContactKernel, Correction, PatchFunctions, RigidObstacle, TangentSink};
 use crate::contact::patches::{Evaluation, Patches};
@@ -28,9 +28,6 @@ const SEARCH_MARGIN: f64 = 0.5;
 /// Number of pairs per task of a thread.
 const SHARED: usize = 32;
 const TURNS: usize = 16;
-
-/// Largest number of unknowns of a pair.
-const UNKNOWNS: usize = 3 * NODES;
 
 /// Mortar contact of two surfaces in space.
 #[derive(Clone, Debug)]

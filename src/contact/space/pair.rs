@@ -21,10 +21,9 @@
 use super::clipping::VERTICES;
 use super::polygon::Polygon;
 use super::profiles::Profile;
-use super::slip::Jet;
 use super::stiffness::Hessian;
 use super::vectors::Vec3;
-use super::vertices::{CORNERS, Forces, NODES};
+use super::vertices::{CORNERS, Forces, NODES, OfNodes};
 use super::view::{POINTS, View, are_apart, triangles};
 use super::weights::MortarWeights;
 use crate::contact::numbers::{Each, Number};
@@ -207,7 +206,7 @@ impl Pair<f64> {
     }
 
     /// Mortar weights, see [`Pair::mortar_weights`], with their derivatives with respect to the node positions.
-    pub fn differentiated_weights(&self) -> [[Jet; NODES]; CORNERS] {
+    pub fn differentiated_weights(&self) -> [[OfNodes; NODES]; CORNERS] {
         dispatch(MortarWeights { view: &self.view, polygons: &self.polygons })
     }
 
@@ -251,9 +250,10 @@ impl Kernel for OfEach<'_> {
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
+    use proptest::strategy::ValueTree;
     use proptest::test_runner::RngSeed;
 
-    use super::super::vectors::cross;
+    use super::super::vectors::{cross, jets};
     use super::*;
     use crate::math::tolerances::EDGES_MEET;
 
@@ -478,6 +478,24 @@ mod tests {
     }
 
     /// Closed form: two equal squares displaced by half, constant gap: weights of the published overlap.
+    /// Derivatives of the weights against those of the same polygons from numbers that carry derivatives.
+    #[test]
+    fn weights_have_the_derivatives_of_the_clipped_polygons() {
+        let mut runner = proptest::test_runner::TestRunner::deterministic();
+        let mut overlaps = 0;
+        for counts in [[4, 4], [3, 4], [4, 3], [3, 3]].repeat(20) {
+            let x = nodes(counts).new_tree(&mut runner).unwrap().current();
+            let Some(pair) = Pair::at(&x, counts).filter(Pair::overlaps) else { continue };
+            overlaps += 1;
+            let jets = Pair::new(&jets::<24>(x.as_flattened(), 0), counts).unwrap().mortar_weights();
+            for (own, other) in pair.differentiated_weights().as_flattened().iter().zip(jets.as_flattened()) {
+                assert!((own.re - other.re).abs() < 1e-14);
+                assert!(own.eps.iter().zip(&other.eps).all(|(a, b)| (a - b).abs() < 1e-12 * (1.0 + b.abs())), "{own:?} {other:?}");
+            }
+        }
+        assert!(overlaps > 40);
+    }
+
     #[test]
     fn weights_of_two_faces_that_overlap_by_a_quarter() {
         let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];

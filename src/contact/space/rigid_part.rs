@@ -7,9 +7,8 @@
 //! (P v)_i = v_i - mean v - omega(v) x r_i
 //! ```
 
-use super::slip::UNKNOWNS;
 use super::vectors::{Vec3, cross, dot, sub};
-use super::vertices::NODES;
+use super::vertices::{NODES, UNKNOWNS};
 
 /// Rigid motions of the nodes of a contact element.
 pub struct RigidPart {
@@ -79,7 +78,7 @@ impl RigidPart {
         gradient
     }
 
-    /// Turns the derivatives `slopes` of `vectors`, whose sum is zero, into those of the vectors without the rigid motion that they contain.
+    /// Turns the derivatives `slopes` of `vectors`, whose sum is zero, into those of the vectors without their rigid motion.
     #[inline(always)]
     pub fn remove_from_slopes(&self, vectors: &[Vec3<f64>], slopes: &mut [[[f64; UNKNOWNS]; 3]; NODES]) {
         let (rotation, share) = (self.rotation(vectors), 1.0 / self.count as f64);

@@ -16,20 +16,14 @@
 
 use super::rigid_part::RigidPart;
 use super::vectors::{FacetFrame, Vec3, cross, dot, jets, scaled, sub};
-use super::vertices::{CORNERS, NODES};
+use super::vertices::{CORNERS, NODES, OfNodes, UNKNOWNS};
 use crate::contact::faces;
-use crate::contact::numbers::{self, Number};
+use crate::contact::numbers::Number;
 use crate::contact::patches::{Evaluation, Patches};
 use crate::contact::slip::SlipStep;
 use crate::contact::surface::{Sides, Surface};
 use crate::integrators::Configuration;
 use crate::math::simd::{Kernel, dispatch};
-
-/// Largest number of unknowns of a contact element.
-pub const UNKNOWNS: usize = 3 * NODES;
-
-/// Number with its derivatives with respect to all unknowns of a contact element.
-pub type Jet = numbers::Jet<UNKNOWNS>;
 
 /// Two tangential constraints of a normal constraint, at a configuration of a contact element.
 #[derive(Clone)]
@@ -50,7 +44,7 @@ pub trait SlipGroups {
     fn groups(&self, p: usize, z: &[Vec3<f64>]) -> Vec<Group<f64>>;
 
     /// Tangential constraints of contact element `p` with their derivatives with respect to the positions of its nodes.
-    fn differentiated(&self, p: usize, z: &[Vec3<f64>]) -> Vec<Group<Jet>>;
+    fn differentiated(&self, p: usize, z: &[Vec3<f64>]) -> Vec<Group<OfNodes>>;
 
     /// Motion in the step of the other side, if it is an obstacle; rigid motions of a contact element then have slip. `None` for two
     /// surfaces.
@@ -64,7 +58,7 @@ pub trait SlipsInSpace {
     /// Tangential constraints of contact element `p` at the positions of its nodes.
     fn groups<T: Number>(&self, p: usize, z: &[Vec3<T>]) -> Vec<Group<T>>;
 
-    /// See [`SlipGroups::carrier`].
+    /// Motion in the step of the other side, if it is an obstacle; `None` for two surfaces.
     fn carrier(&self) -> Option<Carrier> {
         None
     }
@@ -75,7 +69,7 @@ impl<K: SlipsInSpace> SlipGroups for K {
         SlipsInSpace::groups(self, p, z)
     }
 
-    fn differentiated(&self, p: usize, z: &[Vec3<f64>]) -> Vec<Group<Jet>> {
+    fn differentiated(&self, p: usize, z: &[Vec3<f64>]) -> Vec<Group<OfNodes>> {
         SlipsInSpace::groups(self, p, &jets(z.as_flattened(), 0))
     }
 
@@ -104,7 +98,7 @@ impl Carrier {
     }
 }
 
-impl Group<Jet> {
+impl Group<OfNodes> {
     fn values(&self) -> Group<f64> {
         let tangents = self.tangents.map(|tangent| tangent.map(|x| x.re));
         Group { place: self.place, weights: self.weights.map(|w| w.re), tangents, covered: self.covered }
@@ -202,7 +196,7 @@ impl Patch {
 struct Place {
     groups: Vec<Group<f64>>,
     /// Constraints with derivatives; empty if none are required.
-    slopes: Vec<Group<Jet>>,
+    slopes: Vec<Group<OfNodes>>,
     /// Number of nodes.
     count: usize,
     /// Rigid motions of the nodes; `None` against an obstacle.
@@ -258,7 +252,7 @@ impl Place {
 
 /// Derivatives of slips by those of weights and tangents, for displacements without the rigid motion that they contain.
 struct SlipSlopes<'a> {
-    groups: &'a [Group<Jet>],
+    groups: &'a [Group<OfNodes>],
     motion: &'a [Vec3<f64>],
     width: usize,
     out: &'a mut [f64],
@@ -300,7 +294,7 @@ impl Kernel for SlipSlopes<'_> {
 
 /// Derivatives of the forces of multipliers.
 struct ForceSlopes<'a> {
-    groups: &'a [Group<Jet>],
+    groups: &'a [Group<OfNodes>],
     shears: &'a [[f64; 2]],
     rigid: Option<&'a RigidPart>,
     /// Forces with the rigid motion that they contain.

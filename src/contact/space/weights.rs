@@ -4,19 +4,17 @@
 //! derivatives with respect to the plane coordinates of the corners are those of a moving domain,
 //!
 //! ```text
-//! d/dp_j int N_a s dA = - grad N_a int N_j s dA - grad s int N_j N_a dA (s secondary) + sum_edges nu int N_a s N_j ds    secondary corner j
-//! d/dp_m int N_a s dA =                         - grad s int N_a M_m dA (s primary)   + sum_edges nu int N_a s M_m ds    primary corner m
+//! d/dp_j int N_a s dA = - grad N_a int N_j s dA - grad s int N_j N_a dA (s secondary) + sum_edges nu int N_a s N_j ds
+//! d/dp_m int N_a s dA =                         - grad s int N_a M_m dA (s primary)   + sum_edges nu int N_a s M_m ds
 //! ```
 //!
-//! with the edges on the border of the corner's own triangle. The chain rule to node positions is that of gaps (`view.rs`).
+//! for a secondary corner `j` and a primary corner `m`, with the edges on the border of the corner's own triangle. The chain rule to node
+//! positions is that of gaps (`view.rs`).
 
 use super::clipping::VERTICES;
-use super::mortar::MortarInSpace;
-use super::pair::Pair;
 use super::polygon::Polygon;
-use super::slip::{Group, Jet, SlipGroups, groups_of};
-use super::vectors::{FacetFrame, Vec3, jets};
-use super::vertices::{CORNERS, NODES, PolygonBorder, outward, shape_gradients};
+use super::vectors::Vec3;
+use super::vertices::{CORNERS, NODES, OfNodes, PolygonBorder, outward, shape_gradients};
 use super::view::{POINTS, View};
 use crate::contact::numbers::Each;
 use crate::math::simd::Kernel;
@@ -167,7 +165,7 @@ fn edges_into(polygon: &Polygon<f64>, slopes: &mut [[[[f64; SHAPES]; 2]; 6]; 3])
 }
 
 impl Kernel for MortarWeights<'_> {
-    type Output = [[Jet; NODES]; CORNERS];
+    type Output = [[OfNodes; NODES]; CORNERS];
 
     #[inline(always)]
     fn run<const FMA: bool>(self) -> Self::Output {
@@ -175,7 +173,7 @@ impl Kernel for MortarWeights<'_> {
         for polygon in self.polygons {
             sums.add(self.view, polygon);
         }
-        let mut weights = [[Jet::from(0.0); NODES]; CORNERS];
+        let mut weights = [[OfNodes::from(0.0); NODES]; CORNERS];
         for a in 0..self.view.counts[0] {
             let (values, of_p) = sums.of_node(self.view, a);
             let slopes: [Vec3<Each<NODES>>; NODES] = self.view.spread(&of_p, &[Each([0.0; NODES]); NODES]);
@@ -189,22 +187,5 @@ impl Kernel for MortarWeights<'_> {
             }
         }
         weights
-    }
-}
-
-/// Slip with the weights of the gap: multiplier shape functions times shape functions of the opposite facet, over the overlap.
-impl SlipGroups for MortarInSpace {
-    fn groups(&self, p: usize, z: &[Vec3<f64>]) -> Vec<Group<f64>> {
-        let Some(pair) = Pair::at(z, self.counts(p)).filter(Pair::overlaps) else { return Vec::new() };
-        let shape = self.shape(p);
-        groups_of(&shape.of_lists(pair.mortar_weights()), shape.of(pair.covered()), pair.axes(), self.turns(p))
-    }
-
-    fn differentiated(&self, p: usize, z: &[Vec3<f64>]) -> Vec<Group<Jet>> {
-        let counts = self.counts(p);
-        let Some(pair) = Pair::at(z, counts).filter(Pair::overlaps) else { return Vec::new() };
-        let Some(frame) = FacetFrame::new(&jets(z[..counts[0]].as_flattened(), 0)) else { return Vec::new() };
-        let shape = self.shape(p);
-        groups_of(&shape.of_lists(pair.differentiated_weights()), shape.of(pair.covered()), frame.axes, self.turns(p))
     }
 }
