@@ -195,7 +195,11 @@ mod tests {
     fn evaluated(slip: &BallSlip, q_0: &[f64], q_1: &[f64], lambda: &[f64]) -> Evaluation {
         let moved: Vec<f64> = q_1.iter().zip(q_0).map(|(a, b)| a - b).collect();
         let mut out = Evaluation::default();
-        slip.evaluate_slips(SlipStep { q_0, q_1, moved: &moved, test: Configuration::Middle, live: &[true] }, lambda, &mut out);
+        slip.evaluate_slips(
+            SlipStep { q_0, q_1, moved: &moved, test: Configuration::Middle, live: &[true], wants_tangent: true },
+            lambda,
+            &mut out,
+        );
         out
     }
 

@@ -197,7 +197,7 @@ mod tests {
         let shears = &LAMBDA[..(d - 1) * lambda.len()];
         let slips = |q: &[f64]| {
             let (moved, mut slips) = (difference(q, q_0), Evaluation::default());
-            let step = SlipStep { q_0, q_1: q, moved: &moved, test: Configuration::Middle, live: &out.live };
+            let step = SlipStep { q_0, q_1: q, moved: &moved, test: Configuration::Middle, live: &out.live, wants_tangent: true };
             kernel.evaluate_slips(step, shears, &mut slips);
             slips.with_room(kernel.slip_patches())
         };
@@ -284,7 +284,7 @@ mod tests {
         let q_1: Vec<f64> = q_0.chunks_exact(2).flat_map(turned).collect();
         let (moved, mut out) = (difference(&q_1, &q_0), Evaluation::default());
         kernel.evaluate_slips(
-            SlipStep { q_0: &q_0, q_1: &q_1, moved: &moved, test: Configuration::Middle, live: &[true] },
+            SlipStep { q_0: &q_0, q_1: &q_1, moved: &moved, test: Configuration::Middle, live: &[true], wants_tangent: true },
             &[1.0],
             &mut out,
         );

@@ -36,6 +36,8 @@ pub struct SlipStep<'a> {
     pub test: Configuration,
     /// True for each live contact element; others have no slip.
     pub live: &'a [bool],
+    /// True if the tangent is required.
+    pub wants_tangent: bool,
 }
 
 /// Slip gradients `g_A` of a kernel's contact elements.

@@ -12,7 +12,7 @@ const SHEARS: [f64; 4] = [1.0, -0.5, 2.0, 0.25];
 fn slips(kernel: &dyn ContactKernel, q_0: &[f64], q_1: &[f64], test: Configuration) -> Evaluation {
     let normal = evaluated(kernel, Derivative::DiscreteGradient, q_1, &SHEARS);
     let (moved, mut out) = (difference(q_1, q_0), Evaluation::default());
-    kernel.evaluate_slips(SlipStep { q_0, q_1, moved: &moved, test, live: &normal.live }, &SHEARS, &mut out);
+    kernel.evaluate_slips(SlipStep { q_0, q_1, moved: &moved, test, live: &normal.live, wants_tangent: true }, &SHEARS, &mut out);
     out.with_room(kernel.slip_patches())
 }
 

@@ -495,7 +495,7 @@ mod tests {
             let tau = multipliers((d - 1) * kernel.rows());
             let slips = |q_1: &[f64]| {
                 let (mut out, moved) = (Evaluation::default(), difference(q_1, &q_0));
-                let step = SlipStep { q_0: &q_0, q_1, moved: &moved, test: Configuration::Middle, live: &live };
+                let step = SlipStep { q_0: &q_0, q_1, moved: &moved, test: Configuration::Middle, live: &live, wants_tangent: true };
                 kernel.evaluate_slips(step, &tau, &mut out);
                 out.with_room(kernel.slip_patches())
             };

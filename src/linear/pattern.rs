@@ -91,51 +91,45 @@ impl Block {
 
 impl Pattern {
     /// Pattern of a graph given by its vertices and cliques of mutually coupled vertices. Every vertex is coupled with itself.
-    pub fn new<'a>(vertices: &[Vertex], cliques: impl Iterator<Item = &'a [u32]> + Clone) -> Self {
+    pub fn new<'a>(vertices: &[Vertex], cliques: impl Iterator<Item = &'a [u32]>) -> Self {
         let count = vertices.len();
         let size = |v: usize| vertices[v].size as usize;
-        // Neighbor lists with repetitions by counting sort, then sorted and made unique for each vertex.
+        // Cliques of each vertex by counting sort; lists of neighbors with repetitions would take the sum of their squares.
+        let cliques: Vec<&[u32]> = cliques.collect();
+        let mut ends = vec![0usize; count + 1];
+        cliques.iter().flat_map(|clique| clique.iter()).for_each(|&v| ends[v as usize + 1] += 1);
+        for v in 0..count {
+            ends[v + 1] += ends[v];
+        }
+        let (mut next, mut of_vertices) = (ends.clone(), vec![0u32; ends[count]]);
+        for (clique, index) in cliques.iter().zip(0u32..) {
+            for &v in *clique {
+                of_vertices[next[v as usize]] = index;
+                next[v as usize] += 1;
+            }
+        }
+        let mut found_by = vec![u32::MAX; count];
+        let mut for_each_neighbor = |v: usize, mark: usize, visit: &mut dyn FnMut(u32)| {
+            let members = of_vertices[ends[v]..ends[v + 1]].iter().flat_map(|&clique| cliques[clique as usize]);
+            for &u in std::iter::once(&(v as u32)).chain(members) {
+                if std::mem::replace(&mut found_by[u as usize], mark as u32) != mark as u32 {
+                    visit(u);
+                }
+            }
+        };
         let mut starts = vec![0usize; count + 1];
         for v in 0..count {
-            starts[v + 1] = 1;
+            starts[v + 1] = starts[v];
+            for_each_neighbor(v, v, &mut |_| starts[v + 1] += 1);
         }
-        for clique in cliques.clone() {
-            for &v in clique {
-                starts[v as usize + 1] += clique.len();
-            }
-        }
+        let mut neighbors = vec![0; starts[count]];
         for v in 0..count {
-            starts[v + 1] += starts[v];
-        }
-        let mut next = starts.clone();
-        let mut repeated = vec![0u32; starts[count]];
-        let mut push = |v: usize, u: u32| {
-            repeated[next[v]] = u;
-            next[v] += 1;
-        };
-        for v in 0..count {
-            push(v, v as u32);
-        }
-        for clique in cliques {
-            for &v in clique {
-                for &u in clique {
-                    push(v as usize, u);
-                }
-            }
-        }
-        let (mut unique_starts, mut neighbors) = (Vec::with_capacity(count + 1), Vec::with_capacity(repeated.len() / 2));
-        unique_starts.push(0);
-        for v in 0..count {
-            let row = &mut repeated[starts[v]..starts[v + 1]];
-            row.sort_unstable();
-            let mut last = None;
-            for &u in row.iter() {
-                if last != Some(u) {
-                    neighbors.push(u);
-                    last = Some(u);
-                }
-            }
-            unique_starts.push(neighbors.len());
+            let mut place = starts[v];
+            for_each_neighbor(v, count + v, &mut |u| {
+                neighbors[place] = u;
+                place += 1;
+            });
+            neighbors[starts[v]..place].sort_unstable();
         }
         let mut first = vec![0usize; count + 1];
         for v in 0..count {
@@ -145,7 +139,7 @@ impl Pattern {
         let (mut columns, mut lengths) = (vec![0usize; count + 1], vec![0usize; count]);
         for v in 0..count {
             let mut length = 0;
-            for &u in &neighbors[unique_starts[v]..unique_starts[v + 1]] {
+            for &u in &neighbors[starts[v]..starts[v + 1]] {
                 offsets.push(length as u32);
                 length += size(u as usize);
             }
@@ -153,7 +147,7 @@ impl Pattern {
             columns[v + 1] = columns[v] + length * size(v);
         }
         let roles = vertices.iter().map(|vertex| vertex.role).collect();
-        Pattern { roles, first, starts: unique_starts, neighbors, offsets, columns, lengths, anchors: Vec::new() }
+        Pattern { roles, first, starts, neighbors, offsets, columns, lengths, anchors: Vec::new() }
     }
 
     /// Returns this pattern with an *anchor* for some multipliers: the node whose motion the multiplier opposes, so that eliminating the
@@ -330,6 +324,17 @@ impl Pattern {
         &self.neighbors[self.starts[vertex]..self.starts[vertex + 1]]
     }
 
+    /// Sets the blocks that couple vertices before `first` with other vertices to zero.
+    pub fn clear_couplings(&self, first: usize, values: &mut [f64]) {
+        for v in 0..self.vertices() {
+            let place = self.starts[v] + self.neighbors(v).partition_point(|&u| (u as usize) < first);
+            let split = if place < self.starts[v + 1] { self.offsets[place] as usize } else { self.lengths[v] };
+            let rows = if v < first { split..self.lengths[v] } else { 0..split };
+            let columns = self.columns[v]..self.columns[v] + self.size(v) * self.lengths[v];
+            values[columns].chunks_exact_mut(self.lengths[v]).for_each(|column| column[rows.clone()].fill(0.0));
+        }
+    }
+
     /// `y = A x` with the given values, for the leading unknowns that `x` and `y` contain (whole vertices).
     pub fn multiply_into(&self, values: &[f64], x: &[f64], y: &mut [f64]) {
         y.fill(0.0);
@@ -497,6 +502,11 @@ mod tests {
         assert_eq!(pattern.neighbors(1), [0, 1, 2, 3]);
         let (starts, rows, places) = pattern.compressed_columns();
         assert!(places.into_iter().eq((0..pattern.values()).map(Some)));
+        let mut cleared = vec![1.0; pattern.values()];
+        pattern.clear_couplings(2, &mut cleared);
+        let zeros = [(1, 2), (1, 3), (2, 1), (3, 1)].map(|(u, v)| pattern.block(u, v));
+        assert_eq!(cleared.iter().filter(|value| **value == 0.0).count(), 2 * (2 + 4));
+        assert!(zeros.iter().all(|block| cleared[block.at(0, 0)] == 0.0));
         for (u, v) in [(0u32, 1u32), (1, 0), (2, 3), (3, 3), (2, 2)] {
             let block = pattern.block(u, v);
             for i in 0..sizes[u as usize] as usize {

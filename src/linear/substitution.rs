@@ -79,10 +79,15 @@ impl WithSimd for Substitution<'_, '_> {
         let Part { fronts, start, rows: above, vectors } = part;
         let fronts = &symbolic.fronts[fronts.clone()];
         let mut at_front = AtFront { symbolic, factors, swaps, start: *start, above, buffer: at_front };
+        // No closures, which the compiler may leave out of line, without the registers of the caller.
         if direction == Direction::Down {
-            fronts.iter().for_each(|front| at_front.down(simd, front, vectors));
+            for front in fronts {
+                at_front.down(simd, front, vectors);
+            }
         } else {
-            fronts.iter().rev().for_each(|front| at_front.up(simd, front, vectors));
+            for front in fronts.iter().rev() {
+                at_front.up(simd, front, vectors);
+            }
         }
     }
 }

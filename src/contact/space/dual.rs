@@ -71,6 +71,9 @@ impl MultiplierFunctions {
         &self,
         mut own: [[T; N]; CORNERS],
     ) -> [[T; N]; CORNERS] {
+        if self.0.is_none() {
+            return own;
+        }
         for k in 0..N {
             let each = self.of(array::from_fn(|j| own[j][k]));
             (0..CORNERS).for_each(|j| own[j][k] = each[j]);

@@ -9,12 +9,11 @@ use super::gaps::Measure;
 use super::pair::{Gradients, Pair};
 use super::profiles::Profile;
 use super::second_order::ProxySurfacesInSpace;
-use super::slip::{self, Group, SlipsInSpace};
+use super::slip;
 use super::vectors::Vec3;
-use super::vertices::{CORNERS, NODES};
+use super::vertices::{CORNERS, UNKNOWNS};
 use crate::contact::faces;
 use crate::contact::kernel::{CandidateSearch, ContactKernel, Correction, PatchFunctions, RigidObstacle, TangentSink};
-use crate::contact::numbers::Number;
 use crate::contact::patches::{Evaluation, Patches};
 use crate::contact::search::PairSearch;
 use crate::contact::slip::SlipStep;
@@ -29,9 +28,6 @@ const SEARCH_MARGIN: f64 = 0.5;
 /// Number of pairs per task of a thread.
 const SHARED: usize = 32;
 const TURNS: usize = 16;
-
-/// Largest number of unknowns of a pair.
-const UNKNOWNS: usize = 3 * NODES;
 
 /// Mortar contact of two surfaces in space.
 #[derive(Clone, Debug)]
@@ -151,12 +147,17 @@ impl MortarInSpace {
     }
 
     /// Multiplier shape functions of pair `p` in this step.
-    fn shape(&self, p: usize) -> &MultiplierFunctions {
+    pub(super) fn shape(&self, p: usize) -> &MultiplierFunctions {
         self.duals.as_ref().map_or(&MultiplierFunctions::STANDARD, |duals| duals.shape(self.search.candidates.pairs()[p][0]))
     }
 
+    /// Direction of the tangents at the secondary nodes of pair `p`.
+    pub(super) fn turns(&self, p: usize) -> &[[f64; 2]] {
+        &self.turns[self.search.candidates.pairs()[p][0] as usize]
+    }
+
     /// Numbers of nodes of both facets of pair `p`.
-    fn counts(&self, p: usize) -> [usize; 2] {
+    pub(super) fn counts(&self, p: usize) -> [usize; 2] {
         let [own, other] = self.search.candidates.pairs()[p];
         [self.sides.secondary.facet(own as usize).len(), self.sides.primary.facet(other as usize).len()]
     }
@@ -447,21 +448,6 @@ struct Functions<'a> {
     weights: [f64; CORNERS],
     middle: Option<Pair<f64>>,
     end: Option<Pair<f64>>,
-}
-
-/// Slip with the weights of the gap: multiplier shape functions times shape functions of the opposite facet, over the overlap.
-impl SlipsInSpace for MortarInSpace {
-    fn groups<T: Number>(&self, p: usize, z: &[Vec3<T>]) -> Vec<Group<T>> {
-        let Some(pair) = Pair::new(z, self.counts(p)).filter(Pair::overlaps) else { return Vec::new() };
-        let shape = self.shape(p);
-        let (weights, covered, [first, second, _]) = (shape.of_lists(pair.mortar_weights()), shape.of(pair.covered()), pair.axes());
-        let along = |cos: f64, sin: f64| -> Vec3<T> { std::array::from_fn(|i| first[i] * cos + second[i] * sin) };
-        let group = |(place, &[cos, sin]): (usize, &[f64; 2])| {
-            let tangents = [along(cos, sin), along(-sin, cos)];
-            Group { place, weights: weights[place], tangents, covered: covered[place] }
-        };
-        self.turns[self.search.candidates.pairs()[p][0] as usize].iter().enumerate().map(group).collect()
-    }
 }
 
 impl CandidateSearch for MortarInSpace {

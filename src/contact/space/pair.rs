@@ -23,8 +23,9 @@ use super::polygon::Polygon;
 use super::profiles::Profile;
 use super::stiffness::Hessian;
 use super::vectors::Vec3;
-use super::vertices::{CORNERS, Forces, NODES};
+use super::vertices::{CORNERS, Forces, NODES, OfNodes};
 use super::view::{POINTS, View, are_apart, triangles};
+use super::weights::MortarWeights;
 use crate::contact::numbers::{Each, Number};
 use crate::math::simd::{Kernel, dispatch};
 
@@ -204,6 +205,11 @@ impl Pair<f64> {
         dispatch(OfEach { pair: self, band })
     }
 
+    /// Mortar weights, see [`Pair::mortar_weights`], with their derivatives with respect to the node positions.
+    pub fn differentiated_weights(&self) -> [[OfNodes; NODES]; CORNERS] {
+        dispatch(MortarWeights { view: &self.view, polygons: &self.polygons })
+    }
+
     /// Writes `share` times the derivatives of [`Pair::gradient`], row-major over the unknowns of the nodes.
     pub fn hessian_into(&self, weights: &[f64; CORNERS], band: f64, share: f64, out: &mut [f64]) {
         dispatch(Hessian { view: &self.view, polygons: &self.polygons, weights, band, share, out });
@@ -244,9 +250,10 @@ impl Kernel for OfEach<'_> {
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
+    use proptest::strategy::ValueTree;
     use proptest::test_runner::RngSeed;
 
-    use super::super::vectors::cross;
+    use super::super::vectors::{cross, jets};
     use super::*;
     use crate::math::tolerances::EDGES_MEET;
 
@@ -471,6 +478,24 @@ mod tests {
     }
 
     /// Closed form: two equal squares displaced by half, constant gap: weights of the published overlap.
+    /// Derivatives of the weights against those of the same polygons from numbers that carry derivatives.
+    #[test]
+    fn weights_have_the_derivatives_of_the_clipped_polygons() {
+        let mut runner = proptest::test_runner::TestRunner::deterministic();
+        let mut overlaps = 0;
+        for counts in [[4, 4], [3, 4], [4, 3], [3, 3]].repeat(20) {
+            let x = nodes(counts).new_tree(&mut runner).unwrap().current();
+            let Some(pair) = Pair::at(&x, counts).filter(Pair::overlaps) else { continue };
+            overlaps += 1;
+            let jets = Pair::new(&jets::<24>(x.as_flattened(), 0), counts).unwrap().mortar_weights();
+            for (own, other) in pair.differentiated_weights().as_flattened().iter().zip(jets.as_flattened()) {
+                assert!((own.re - other.re).abs() < 1e-14);
+                assert!(own.eps.iter().zip(&other.eps).all(|(a, b)| (a - b).abs() < 1e-12 * (1.0 + b.abs())), "{own:?} {other:?}");
+            }
+        }
+        assert!(overlaps > 40);
+    }
+
     #[test]
     fn weights_of_two_faces_that_overlap_by_a_quarter() {
         let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];

@@ -16,6 +16,7 @@ use super::obstacle::{ObstacleInSpace, Shape, StepGradient};
 use super::second_order::ProxySurfacesInSpace;
 use super::slip::{self, Carrier, Group, SlipsInSpace};
 use super::vectors::Vec3;
+use super::vertices::NODES;
 use crate::contact::faces;
 use crate::contact::kernel::{CandidateSearch, PatchFunctions, RigidObstacle};
 use crate::contact::numbers::Number;
@@ -261,7 +262,7 @@ impl SlipsInSpace for RigidInSpace {
             let Distance { normal, curvature, covered, .. } = shape.distance(x);
             let axis = slip::farthest_axis(shape.distance(self.begins(p)).normal.into());
             let normal = std::array::from_fn(|i| slip::linear(normal[i], &[0, 1, 2].map(|k| curvature[(i, k)]), z));
-            let mut weights = [T::from(0.0); slip::NODES];
+            let mut weights = [T::from(0.0); NODES];
             weights[0] = T::from(self.sides.weights[self.slots * p + place]);
             covered.then(|| Group { place, weights, tangents: slip::tangents(normal, axis), covered: 1.0 })
         };

@@ -6,6 +6,7 @@ use super::facets::Distance;
 use super::obstacle::{Profile, Shape, StepGradient};
 use super::slip::{self, Carrier, Group, SlipsInSpace};
 use super::vectors::Vec3;
+use super::vertices::NODES;
 use crate::contact::numbers::Number;
 use crate::contact::obstacle_side::{Local, ObstacleSide};
 use crate::contact::patches::Evaluation;
@@ -69,7 +70,7 @@ impl SlipsInSpace for RollingContact<3, Shape> {
             let (obstacle_side, at_start) = obstacle_side.as_ref()?;
             let (shares, normal) = self.touching(p, obstacle_side, z);
             let axis = slip::farthest_axis((*at_start).into());
-            let mut weights = [T::from(0.0); slip::NODES];
+            let mut weights = [T::from(0.0); NODES];
             for (weight, share) in weights.iter_mut().zip(shares) {
                 *weight = share * self.weight(first + place);
             }

@@ -19,6 +19,7 @@ use super::features::Features;
 use super::obstacle::{ObstacleInSpace, Shape, Symmetries};
 use super::slip::{self, Carrier, Group, SlipsInSpace};
 use super::vectors::Vec3;
+use super::vertices::NODES;
 use crate::contact::faces;
 use crate::contact::kernel::{CandidateSearch, PatchFunctions, RigidObstacle};
 use crate::contact::numbers::Number;
@@ -428,7 +429,7 @@ impl SlipsInSpace for RoundInSpace {
         let axis = slip::farthest_axis(self.deepest_of(p, self.start[p]).at.normal.into());
         let share = slip::linear(found.share, found.slide(ends).as_slice(), z);
         let weight = self.sides.weights[p];
-        let mut weights = [T::from(0.0); slip::NODES];
+        let mut weights = [T::from(0.0); NODES];
         (weights[0], weights[1]) = ((-share + 1.0) * weight, share * weight);
         let x: [Vec3<T>; 1] = [std::array::from_fn(|i| z[0][i] + (z[1][i] - z[0][i]) * share)];
         let bend = found.at.curvature;

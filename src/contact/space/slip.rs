@@ -14,16 +14,16 @@
 //! configuration, so that the facets around a node agree. Multiplier components keep their meaning from step to step, without transport as
 //! a body rotates.
 
-use super::vectors::{FacetFrame, Jet, LANES, Vec3, columns_into, cross, dot, jets, scaled, sub};
+use super::rigid_part::RigidPart;
+use super::vectors::{FacetFrame, Vec3, cross, dot, jets, scaled, sub};
+use super::vertices::{CORNERS, NODES, OfNodes, UNKNOWNS};
 use crate::contact::faces;
 use crate::contact::numbers::Number;
 use crate::contact::patches::{Evaluation, Patches};
 use crate::contact::slip::SlipStep;
 use crate::contact::surface::{Sides, Surface};
 use crate::integrators::Configuration;
-
-/// Largest number of nodes of a contact element.
-pub const NODES: usize = 8;
+use crate::math::simd::{Kernel, dispatch};
 
 /// Two tangential constraints of a normal constraint, at a configuration of a contact element.
 #[derive(Clone)]
@@ -39,14 +39,42 @@ pub struct Group<T> {
 }
 
 /// Slip definition of a contact kernel in space.
-pub trait SlipsInSpace {
+pub trait SlipGroups {
     /// Tangential constraints of contact element `p` at the positions of its nodes.
-    fn groups<T: Number>(&self, p: usize, z: &[Vec3<T>]) -> Vec<Group<T>>;
+    fn groups(&self, p: usize, z: &[Vec3<f64>]) -> Vec<Group<f64>>;
+
+    /// Tangential constraints of contact element `p` with their derivatives with respect to the positions of its nodes.
+    fn differentiated(&self, p: usize, z: &[Vec3<f64>]) -> Vec<Group<OfNodes>>;
 
     /// Motion in the step of the other side, if it is an obstacle; rigid motions of a contact element then have slip. `None` for two
     /// surfaces.
     fn carrier(&self) -> Option<Carrier> {
         None
+    }
+}
+
+/// Slip definition by one formula for numbers with and without derivatives.
+pub trait SlipsInSpace {
+    /// Tangential constraints of contact element `p` at the positions of its nodes.
+    fn groups<T: Number>(&self, p: usize, z: &[Vec3<T>]) -> Vec<Group<T>>;
+
+    /// Motion in the step of the other side, if it is an obstacle; `None` for two surfaces.
+    fn carrier(&self) -> Option<Carrier> {
+        None
+    }
+}
+
+impl<K: SlipsInSpace> SlipGroups for K {
+    fn groups(&self, p: usize, z: &[Vec3<f64>]) -> Vec<Group<f64>> {
+        SlipsInSpace::groups(self, p, z)
+    }
+
+    fn differentiated(&self, p: usize, z: &[Vec3<f64>]) -> Vec<Group<OfNodes>> {
+        SlipsInSpace::groups(self, p, &jets(z.as_flattened(), 0))
+    }
+
+    fn carrier(&self) -> Option<Carrier> {
+        SlipsInSpace::carrier(self)
     }
 }
 
@@ -65,53 +93,44 @@ pub struct Carrier {
 
 impl Carrier {
     /// Displacement `moved` of a point at `x` at mid-step, relative to the rigid motion.
-    fn against<T: Number>(&self, moved: Vec3<f64>, x: &Vec3<T>) -> Vec3<T> {
-        let beside = sub(moved, self.shift).map(T::from);
-        if self.turn == [0.0; 3] {
-            return beside;
-        }
-        sub(beside, cross(self.turn.map(T::from), sub(*x, self.center.map(T::from))))
+    fn against(&self, moved: Vec3<f64>, x: Vec3<f64>) -> Vec3<f64> {
+        sub(sub(moved, self.shift), cross(self.turn, sub(x, self.center)))
     }
 }
 
-/// Vectors at the points `z`; if `is_relative`, without the rigid motion that they contain.
-fn relative<T: Number>(is_relative: bool, z: &[Vec3<T>], vectors: Vec<Vec3<T>>) -> Vec<Vec3<T>> {
-    if is_relative { without_rigid_motion(z, &vectors) } else { vectors }
-}
-
-impl<T: Number> Group<T> {
+impl Group<OfNodes> {
     fn values(&self) -> Group<f64> {
-        let vector = |v: &Vec3<T>| v.map(|x| x.re());
-        Group {
-            place: self.place,
-            weights: self.weights.map(|w| w.re()),
-            tangents: [vector(&self.tangents[0]), vector(&self.tangents[1])],
-            covered: self.covered,
-        }
-    }
-
-    /// Slip along a tangent for the nodal displacements `moved`.
-    fn slip(&self, tangent: usize, moved: &[Vec3<T>]) -> T {
-        let mut sum = [T::from(0.0); 3];
-        for (weight, moved) in self.weights.iter().zip(moved) {
-            (0..3).for_each(|i| sum[i] += moved[i] * *weight);
-        }
-        dot(self.tangents[tangent], sum)
-    }
-
-    /// Adds the nodal forces of the multipliers `shear` along both tangents.
-    fn add_forces(&self, shear: [f64; 2], forces: &mut [Vec3<T>]) {
-        let [first, second] = self.tangents;
-        let along: Vec3<T> = std::array::from_fn(|i| first[i] * shear[0] + second[i] * shear[1]);
-        for (weight, force) in self.weights.iter().zip(forces) {
-            (0..3).for_each(|i| force[i] += along[i] * *weight);
-        }
+        let tangents = self.tangents.map(|tangent| tangent.map(|x| x.re));
+        Group { place: self.place, weights: self.weights.map(|w| w.re), tangents, covered: self.covered }
     }
 }
 
-/// Evaluates slips (as gaps of `out`), their gradients at the end of the step, the gradients that transmit forces, and the tangent for the
-/// multipliers `lambda`; coverage is the covered measure in mid-step.
-pub fn evaluate(kernel: &impl SlipsInSpace, sides: &Sides, step: SlipStep, lambda: &[f64], out: &mut Evaluation) {
+impl Group<f64> {
+    /// Gradient of the slip along a tangent with respect to the displacements of `count` nodes, with their rigid motions.
+    fn row(&self, tangent: usize, count: usize) -> Vec<Vec3<f64>> {
+        self.weights[..count].iter().map(|weight| scaled(self.tangents[tangent], *weight)).collect()
+    }
+}
+
+/// Tangential constraints of the secondary nodes of a facet, from the weights, covered measures and axes of the facet, with the directions
+/// `turns` of the tangents in its plane.
+pub fn groups_of<T: Number>(
+    weights: &[[T; NODES]],
+    covered: [f64; CORNERS],
+    [first, second, _]: [Vec3<T>; 3],
+    turns: &[[f64; 2]],
+) -> Vec<Group<T>> {
+    let along = |cos: f64, sin: f64| -> Vec3<T> { std::array::from_fn(|i| first[i] * cos + second[i] * sin) };
+    let group = |(place, &[cos, sin]): (usize, &[f64; 2])| {
+        let tangents = [along(cos, sin), along(-sin, cos)];
+        Group { place, weights: weights[place], tangents, covered: covered[place] }
+    };
+    turns.iter().enumerate().map(group).collect()
+}
+
+/// Evaluates slips (as gaps of `out`), their gradients at the end of the step, the gradients that transmit forces, and if requested the
+/// tangent for the multipliers `lambda`; coverage is the covered measure in mid-step.
+pub fn evaluate(kernel: &impl SlipGroups, sides: &Sides, step: SlipStep, lambda: &[f64], out: &mut Evaluation) {
     let patches = sides.slip_patches();
     out.begin_live(patches, lambda.len());
     let mut patch = Patch::default();
@@ -120,12 +139,7 @@ pub fn evaluate(kernel: &impl SlipsInSpace, sides: &Sides, step: SlipStep, lambd
         patches.gather_into(p, step.q_1, &mut patch.end);
         patches.gather_into(p, step.moved, &mut patch.moved);
         patch.middle.iter_mut().zip(&patch.end).for_each(|(start, end)| *start = 0.5 * (*end + *start));
-        // Each pass computes derivatives with respect to some unknowns. Whether a contact element has slip does not depend on the pass.
-        for first in (0..patch.end.len()).step_by(LANES) {
-            if !patch.differentiate(kernel, (patches, p), first, (step.test, lambda), out) {
-                break;
-            }
-        }
+        patch.evaluate(kernel, (patches, p), step, lambda, out);
     }
 }
 
@@ -138,76 +152,187 @@ struct Patch {
 }
 
 impl Patch {
-    /// Writes the results of one pass, with derivatives with respect to [`LANES`] unknowns from `first` on; values are written in the first
-    /// pass only. Returns false if there is no slip.
-    fn differentiate(
-        &self,
-        kernel: &impl SlipsInSpace,
-        (patches, p): (&Patches, usize),
-        first: usize,
-        (test, lambda): (Configuration, &[f64]),
-        out: &mut Evaluation,
-    ) -> bool {
-        let middle = jets(&self.middle, first);
-        let groups = kernel.groups(p, &middle);
-        if groups.is_empty() {
-            return false;
+    /// Evaluates contact element `p`, unless it has no slip.
+    fn evaluate(&self, kernel: &impl SlipGroups, (patches, p): (&Patches, usize), step: SlipStep, lambda: &[f64], out: &mut Evaluation) {
+        let (rows, carrier, width) = (patches.rows(p), kernel.carrier(), self.middle.len());
+        let mut motion: Vec<Vec3<f64>> = self.moved.as_chunks().0.to_vec();
+        if let Some(carrier) = &carrier {
+            motion.iter_mut().zip(self.middle.as_chunks().0).for_each(|(moved, x)| *moved = carrier.against(*moved, *x));
         }
-        let (is_relative, carrier) = (kernel.carrier().is_none(), kernel.carrier().unwrap_or_default());
-        let moved = self.moved.as_chunks().0.iter().zip(&middle).map(|(moved, x)| carrier.against(*moved, x));
-        let motion = relative(is_relative, &middle, moved.collect());
-        let (width, rows) = (self.middle.len(), patches.rows(p));
-        if first == 0 {
-            out.open(patches, p, rows.iter().any(|&row| lambda[row as usize] != 0.0));
+        let is_loaded = step.wants_tangent && rows.iter().any(|&row| lambda[row as usize] != 0.0);
+        // Without motion slips are zero at any positions.
+        let is_still = carrier.is_none_or(|carrier| carrier.turn == [0.0; 3]) && motion.iter().all(|moved| *moved == [0.0; 3]);
+        let acts_there = step.test == Configuration::Middle;
+        let middle = Place::new(kernel, p, &self.middle, !is_still || (is_loaded && acts_there));
+        if middle.groups.is_empty() {
+            return;
         }
-        let begin = out.gradient_range(patches, p).start;
-        let block = |group: &Group<Jet>, k: usize| {
-            let begin = begin + (2 * group.place + k) * width;
-            begin..begin + width
-        };
-        for (group, k) in groups.iter().flat_map(|group| [(group, 0), (group, 1)]) {
-            let (row, slip) = (rows[2 * group.place + k] as usize, group.slip(k, &motion));
-            let gradient = &mut out.gradient_end[block(group, k)];
-            if first == 0 {
-                out.gap[row] += slip.re;
-                out.coverage[row] += group.covered;
-                gradient.copy_from_slice(row_of(&group.values(), k, is_relative, self.middle.as_chunks().0).as_flattened());
-            }
-            gradient[first..].iter_mut().zip(slip.eps).for_each(|(g, slope)| *g += 0.5 * slope);
+        out.open(patches, p, is_loaded);
+        let (block, square) = (out.gradient_range(patches, p), out.tangent_range(patches, p));
+        if !is_still {
+            middle.add_slopes(&motion, carrier, width, &mut out.gradient_end[block.clone()]);
         }
-        let (at, z, groups) = if test == Configuration::End {
-            let end = jets(&self.end, first);
-            let groups = kernel.groups(p, &end);
-            (end, &self.end, groups)
-        } else {
-            (middle, &self.middle, groups)
-        };
-        let (mut forces, mut is_loaded) = (vec![[Jet::from(0.0); 3]; at.len()], false);
-        for group in &groups {
-            for k in (0..2).filter(|_| first == 0) {
-                let row = row_of(&group.values(), k, is_relative, z.as_chunks().0);
-                out.gradient_bar[block(group, k)].copy_from_slice(row.as_flattened());
-            }
-            let shear = [0, 1].map(|k| lambda[rows[2 * group.place + k] as usize]);
-            if shear != [0.0; 2] {
-                is_loaded = true;
-                group.add_forces(shear, &mut forces);
-            }
+        for (group, k) in middle.groups.iter().flat_map(|group| [(group, 0), (group, 1)]) {
+            let (row, gradient) = (rows[2 * group.place + k] as usize, middle.row(group, k));
+            out.gap[row] += gradient.iter().zip(&motion).map(|(gradient, moved)| dot(*gradient, *moved)).sum::<f64>();
+            out.coverage[row] += group.covered;
+            let begin = block.start + (2 * group.place + k) * width;
+            out.gradient_end[begin..begin + width].iter_mut().zip(gradient.as_flattened()).for_each(|(sum, part)| *sum += part);
+        }
+        let acting = if acts_there { middle } else { Place::new(kernel, p, &self.end, is_loaded) };
+        for (group, k) in acting.groups.iter().flat_map(|group| [(group, 0), (group, 1)]) {
+            let begin = block.start + (2 * group.place + k) * width;
+            out.gradient_bar[begin..begin + width].copy_from_slice(acting.row(group, k).as_flattened());
         }
         if is_loaded {
-            let forces = relative(is_relative, &at, forces);
-            let range = out.tangent_range(patches, p);
-            columns_into(&forces, first, test.share(), &mut out.tangent[range]);
+            let shears: Vec<[f64; 2]> =
+                acting.groups.iter().map(|group| [0, 1].map(|k| lambda[rows[2 * group.place + k] as usize])).collect();
+            acting.write_tangent(&shears, step.test.share(), width, &mut out.tangent[square]);
         }
-        true
     }
 }
 
-/// Gradient of a slip with respect to the node positions, one vector per node.
-fn row_of(group: &Group<f64>, tangent: usize, is_relative: bool, z: &[Vec3<f64>]) -> Vec<Vec3<f64>> {
-    let mut row = vec![[0.0; 3]; z.len()];
-    group.add_forces([[1.0, 0.0], [0.0, 1.0]][tangent], &mut row);
-    relative(is_relative, z, row)
+/// Tangential constraints of a contact element at the positions of its nodes.
+struct Place {
+    groups: Vec<Group<f64>>,
+    /// Constraints with derivatives; empty if none are required.
+    slopes: Vec<Group<OfNodes>>,
+    /// Number of nodes.
+    count: usize,
+    /// Rigid motions of the nodes; `None` against an obstacle.
+    rigid: Option<RigidPart>,
+}
+
+impl Place {
+    fn new(kernel: &impl SlipGroups, p: usize, z: &[f64], has_slopes: bool) -> Self {
+        let z = z.as_chunks().0;
+        let slopes = if has_slopes { kernel.differentiated(p, z) } else { Vec::new() };
+        let groups = if has_slopes { slopes.iter().map(Group::values).collect() } else { kernel.groups(p, z) };
+        Place { groups, slopes, count: z.len(), rigid: kernel.carrier().is_none().then(|| RigidPart::new(z)) }
+    }
+
+    /// Vectors without the rigid motion that they contain.
+    fn relative(&self, mut vectors: Vec<Vec3<f64>>) -> Vec<Vec3<f64>> {
+        self.rigid.iter().for_each(|rigid| rigid.remove_from(&mut vectors));
+        vectors
+    }
+
+    /// Gradient of a slip with respect to the node displacements, one vector per node.
+    fn row(&self, group: &Group<f64>, tangent: usize) -> Vec<Vec3<f64>> {
+        self.relative(group.row(tangent, self.count))
+    }
+
+    /// Adds the derivatives of the slips for constant displacements `motion`, half of the positions at the end being that in mid-step.
+    fn add_slopes(&self, motion: &[Vec3<f64>], carrier: Option<Carrier>, width: usize, out: &mut [f64]) {
+        for (group, k) in self.groups.iter().flat_map(|group| [(group, 0), (group, 1)]) {
+            let row = group.row(k, self.count);
+            let turned = match (&self.rigid, carrier) {
+                (Some(rigid), _) => rigid.gradient(&row, motion),
+                (None, Some(Carrier { turn, .. })) => row.iter().map(|row| cross(turn, *row)).collect(),
+                (None, None) => continue,
+            };
+            let begin = (2 * group.place + k) * width;
+            out[begin..begin + width].iter_mut().zip(turned.as_flattened()).for_each(|(sum, slope)| *sum += 0.5 * slope);
+        }
+        let motion = self.relative(motion.to_vec());
+        dispatch(SlipSlopes { groups: &self.slopes, motion: &motion, width, out });
+    }
+
+    /// Writes `share` times the derivatives of the forces of the multipliers `shears`, row-major.
+    fn write_tangent(&self, shears: &[[f64; 2]], share: f64, width: usize, out: &mut [f64]) {
+        let mut forces = vec![[0.0; 3]; self.count];
+        for (group, shears) in self.groups.iter().zip(shears) {
+            for (k, shear) in shears.iter().enumerate() {
+                forces.iter_mut().zip(group.row(k, self.count)).for_each(|(sum, row)| (0..3).for_each(|i| sum[i] += shear * row[i]));
+            }
+        }
+        dispatch(ForceSlopes { groups: &self.slopes, shears, rigid: self.rigid.as_ref(), forces: &forces, share, width, out });
+    }
+}
+
+/// Derivatives of slips by those of weights and tangents, for displacements without the rigid motion that they contain.
+struct SlipSlopes<'a> {
+    groups: &'a [Group<OfNodes>],
+    motion: &'a [Vec3<f64>],
+    width: usize,
+    out: &'a mut [f64],
+}
+
+impl Kernel for SlipSlopes<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<const FMA: bool>(self) {
+        for group in self.groups {
+            let mut sum = [0.0; 3];
+            for (weight, moved) in group.weights.iter().zip(self.motion) {
+                for i in 0..3 {
+                    sum[i] += weight.re * moved[i];
+                }
+            }
+            for (k, tangent) in group.tangents.iter().enumerate() {
+                let mut slopes = [0.0; UNKNOWNS];
+                for (weight, moved) in group.weights.iter().zip(self.motion) {
+                    let along = tangent[0].re * moved[0] + tangent[1].re * moved[1] + tangent[2].re * moved[2];
+                    for lane in 0..UNKNOWNS {
+                        slopes[lane] += weight.eps[lane] * along;
+                    }
+                }
+                for i in 0..3 {
+                    for lane in 0..UNKNOWNS {
+                        slopes[lane] += tangent[i].eps[lane] * sum[i];
+                    }
+                }
+                let begin = (2 * group.place + k) * self.width;
+                for (out, slope) in self.out[begin..begin + self.width].iter_mut().zip(&slopes) {
+                    *out += 0.5 * slope;
+                }
+            }
+        }
+    }
+}
+
+/// Derivatives of the forces of multipliers.
+struct ForceSlopes<'a> {
+    groups: &'a [Group<OfNodes>],
+    shears: &'a [[f64; 2]],
+    rigid: Option<&'a RigidPart>,
+    /// Forces with the rigid motion that they contain.
+    forces: &'a [Vec3<f64>],
+    share: f64,
+    width: usize,
+    out: &'a mut [f64],
+}
+
+impl Kernel for ForceSlopes<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<const FMA: bool>(self) {
+        let mut slopes = [[[0.0; UNKNOWNS]; 3]; NODES];
+        for (group, shear) in self.groups.iter().zip(self.shears) {
+            let [first, second] = &group.tangents;
+            for i in 0..3 {
+                let (along, mut turn) = (first[i].re * shear[0] + second[i].re * shear[1], [0.0; UNKNOWNS]);
+                for lane in 0..UNKNOWNS {
+                    turn[lane] = first[i].eps[lane] * shear[0] + second[i].eps[lane] * shear[1];
+                }
+                for (slopes, weight) in slopes.iter_mut().zip(&group.weights) {
+                    for lane in 0..UNKNOWNS {
+                        slopes[i][lane] += weight.eps[lane] * along + weight.re * turn[lane];
+                    }
+                }
+            }
+        }
+        if let Some(rigid) = self.rigid {
+            rigid.remove_from_slopes(self.forces, &mut slopes);
+        }
+        for (row, slopes) in self.out.chunks_exact_mut(self.width).zip(slopes.as_flattened()) {
+            for (out, slope) in row.iter_mut().zip(slopes) {
+                *out = self.share * slope;
+            }
+        }
+    }
 }
 
 /// Tangents at a rigid obstacle with the given normal; the first one is the projection of a coordinate axis on the tangent plane.
@@ -227,34 +352,6 @@ pub fn farthest_axis(normal: [f64; 3]) -> usize {
 pub fn linear<T: Number>(value: f64, derivative: &[f64], z: &[Vec3<T>]) -> T {
     let by = |sum: T, (slope, z): (&f64, &T)| sum + (*z - z.re()) * *slope;
     derivative.iter().zip(z.as_flattened()).fold(T::from(value), by)
-}
-
-/// Vectors at the points `z` without the rigid motion that they contain, `P` applied to the vectors.
-fn without_rigid_motion<T: Number>(z: &[Vec3<T>], vectors: &[Vec3<T>]) -> Vec<Vec3<T>> {
-    let mean = |of: &[Vec3<T>]| -> Vec3<T> {
-        let mut mean = [T::from(0.0); 3];
-        of.iter().for_each(|x| (0..3).for_each(|i| mean[i] += x[i] * (1.0 / of.len() as f64)));
-        mean
-    };
-    let (center, shift) = (mean(z), mean(vectors));
-    let mut moment = [T::from(0.0); 3];
-    let mut inertia = [[T::from(0.0); 3]; 3];
-    for (z, v) in z.iter().zip(vectors) {
-        let r = sub(*z, center);
-        let turn = cross(r, *v);
-        let square = dot(r, r);
-        for i in 0..3 {
-            moment[i] += turn[i];
-            inertia[i][i] += square;
-            (0..3).for_each(|j| inertia[i][j] -= r[i] * r[j]);
-        }
-    }
-    let cofactors: [Vec3<T>; 3] = std::array::from_fn(|i| cross(inertia[(i + 1) % 3], inertia[(i + 2) % 3]));
-    let inverse = dot(inertia[0], cofactors[0]).recip();
-    // The inverse is symmetric, so that its columns serve as rows.
-    let turn: Vec3<T> = cofactors.map(|cofactor| dot(cofactor, moment) * inverse);
-    let rest = |(z, v): (&Vec3<T>, &Vec3<T>)| sub(sub(*v, shift), cross(turn, sub(*z, center)));
-    z.iter().zip(vectors).map(rest).collect()
 }
 
 /// Cosine and sine of the angle between the first axis of each facet and the first tangent of each of its nodes. A node's tangent is that
@@ -353,7 +450,11 @@ mod tests {
     fn slips(kernel: &dyn ContactKernel, q_0: &[f64], q_1: &[f64], test: Configuration) -> Evaluation {
         let normal = evaluated(kernel, Derivative::DiscreteGradient, q_1, &vec![1.0; kernel.rows()]);
         let (moved, mut out) = (difference(q_1, q_0), Evaluation::default());
-        kernel.evaluate_slips(SlipStep { q_0, q_1, moved: &moved, test, live: &normal.live }, &shears(2 * kernel.rows()), &mut out);
+        kernel.evaluate_slips(
+            SlipStep { q_0, q_1, moved: &moved, test, live: &normal.live, wants_tangent: true },
+            &shears(2 * kernel.rows()),
+            &mut out,
+        );
         out = out.with_room(kernel.slip_patches());
         out
     }

@@ -75,10 +75,10 @@ impl<T: Number> FacetFrame<T> {
     }
 }
 
-/// Unknowns `z`, three per node, as numbers that carry derivatives with respect to [`LANES`] of the unknowns, from `first` on.
+/// Unknowns `z`, three per node, as numbers that carry derivatives with respect to `N` of the unknowns, from `first` on.
 #[inline(always)]
-pub fn jets(z: &[f64], first: usize) -> Vec<Vec3<Jet>> {
-    let jet = |k: usize| Jet::unknown(z[k], k.checked_sub(first));
+pub fn jets<const N: usize>(z: &[f64], first: usize) -> Vec<Vec3<numbers::Jet<N>>> {
+    let jet = |k: usize| numbers::Jet::unknown(z[k], k.checked_sub(first));
     (0..z.len() / 3).map(|node| std::array::from_fn(|i| jet(3 * node + i))).collect()
 }
 

@@ -49,6 +49,12 @@ impl<T: Copy> Vertex<T> {
     }
 }
 
+/// Largest number of unknowns of a pair.
+pub const UNKNOWNS: usize = 3 * NODES;
+
+/// Number with its derivatives with respect to the node positions of a pair.
+pub type OfNodes = Jet<UNKNOWNS>;
+
 /// Number with its derivatives with respect to the plane coordinates of a primary triangle.
 pub type OfPrimary = Jet<6>;
 

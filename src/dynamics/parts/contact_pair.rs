@@ -403,19 +403,6 @@ impl<'a> RowBlock<'a> {
         live_rows(self.rows.start, self.patches, self.evaluation)
     }
 
-    /// Clears the matrix rows and columns of the block's constraints; vertices of multipliers follow `nodes` nodes.
-    pub fn clear_constraints<const D: usize>(&self, (pattern, nodes): (&Pattern, usize), values: &mut [f64]) {
-        for multiplier in self.rows.clone().map(|row| (nodes + row) as u32) {
-            for &node in pattern.neighbors(multiplier as usize).iter().take_while(|&&node| (node as usize) < nodes) {
-                let (row, column) = (pattern.block(multiplier, node), pattern.block(node, multiplier));
-                for i in 0..D {
-                    values[row.at(0, i)] = 0.0;
-                    values[column.at(i, 0)] = 0.0;
-                }
-            }
-        }
-    }
-
     /// Adds rows `factor G_1` and columns `-share columns^T` of the constraints whose multipliers may be nonzero.
     pub fn constraints_into<const D: usize>(
         &self,

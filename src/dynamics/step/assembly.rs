@@ -140,7 +140,7 @@ where
             evaluation.shift_to_end(end_share);
             let mut add = |p: usize, tangent: &[f64]| pair.tangent_into::<D>((pattern, p), weight, tangent, values);
             if let Some(friction) = &pair.friction {
-                let step = SlipStep { q_0: start.q_0, q_1, moved, test: start.friction_at(), live: &evaluation.live };
+                let step = SlipStep { q_0: start.q_0, q_1, moved, test: start.friction_at(), live: &evaluation.live, wants_tangent };
                 pair.kernel.evaluate_slips(step, &lambda[friction.rows.clone()], slip);
                 if wants_tangent {
                     slip.hand_tangents_over(pair.kernel.slip_patches(), &mut add);
@@ -361,7 +361,8 @@ where
         let evaluated = |(pair, evaluation): (&ContactPair, &Evaluation)| {
             let mut slip = Evaluation::default();
             if let Some(friction) = &pair.friction {
-                let step = SlipStep { q_0: q, q_1: q, moved: &moved, test: Configuration::End, live: &evaluation.live };
+                let step =
+                    SlipStep { q_0: q, q_1: q, moved: &moved, test: Configuration::End, live: &evaluation.live, wants_tangent: false };
                 pair.kernel.evaluate_slips(step, &vec![0.0; friction.rows.len()], &mut slip);
             }
             slip

@@ -83,9 +83,9 @@ impl<const D: usize> Equations<D> {
         columns: fn(&Evaluation) -> &Vec<f64>,
         values: &mut [f64],
     ) {
+        pattern.clear_couplings(self.nodes.count(), values);
         for block in self.blocks(pairs, slips) {
             let places = (pattern, self.nodes.count());
-            block.clear_constraints::<D>(places, values);
             block.constraints_into::<D>(places, &rows.0, columns(block.evaluation), shares, values);
         }
         for friction in self.pairs.iter().filter_map(|pair| pair.friction.as_ref()) {

@@ -72,7 +72,7 @@ where
         let mut solution = right.clone();
         self.solve_with(&at.tangent, &mut solution, Instant::now())?;
         self.refine(start, &at.tangent, &right, &mut solution)?;
-        let base = self.row_values([&at.pairs, &at.slips], &solution);
+        let base = self.row_values([&at.pairs, &at.slips], &solution, right.len()).remove(0);
         Ok(Frozen { rows: rows.clone(), present: rows.clone(), right, solution, base, answers: BTreeMap::new(), amounts: Vec::new() })
     }
 
@@ -114,9 +114,7 @@ where
         let outcome = self.matrix.solver.estimate(&at.tangent, &mut rights);
         self.counters.times.solve += clock.elapsed();
         outcome.ok()?;
-        for (row, right) in fresh.into_iter().zip(rights.chunks_exact(unknowns)) {
-            frozen.answers.insert(row, self.row_values([&at.pairs, &at.slips], right));
-        }
+        frozen.answers.extend(fresh.into_iter().zip(self.row_values([&at.pairs, &at.slips], &rights, unknowns)));
         if changed.is_empty() {
             frozen.amounts.clear();
             frozen.present.0.clone_from(&rows.0);
@@ -183,17 +181,23 @@ impl<const D: usize> Equations<D>
 where
     Space<D>: Elements<D>,
 {
-    fn row_values(&self, [pairs, slips]: [&[Evaluation]; 2], solution: &[f64]) -> RowValues {
-        let (increment, lambda) = solution.split_at(solution.len() - self.multipliers);
-        let mut gaps = vec![0.0; self.multipliers];
+    /// Linearized gaps and multipliers for several solutions one after another; the gradients are read once for all of them.
+    fn row_values(&self, [pairs, slips]: [&[Evaluation]; 2], solutions: &[f64], length: usize) -> Vec<RowValues> {
+        let of = |solution: &[f64]| RowValues { gaps: vec![0.0; self.multipliers], lambda: solution[length - self.multipliers..].to_vec() };
+        let mut all: Vec<RowValues> = solutions.chunks_exact(length).map(of).collect();
         for block in self.blocks(pairs, slips) {
             for row in block.live_rows() {
-                for (unknown, entry) in row.unknowns::<D>() {
-                    gaps[row.row] += block.evaluation.gradient_end[entry] * increment[unknown];
+                let gradient = &block.evaluation.gradient_end[row.gradient];
+                for (values, solution) in all.iter_mut().zip(solutions.chunks_exact(length)) {
+                    let gap = &mut values.gaps[row.row];
+                    for (&node, gradient) in row.nodes.iter().zip(gradient.chunks_exact(D)) {
+                        let increment = &solution[node as usize * D..][..D];
+                        gradient.iter().zip(increment).for_each(|(gradient, increment)| *gap += gradient * increment);
+                    }
                 }
             }
         }
-        RowValues { gaps, lambda: lambda.to_vec() }
+        all
     }
 
     /// Adds the contributions of changed constraints to a right-hand side.
