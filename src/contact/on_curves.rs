@@ -52,7 +52,7 @@ struct Member {
 #[derive(Default)]
 struct Scratch {
     inner: Evaluation,
-    seen: Vec<f64>,
+    proxies: Vec<f64>,
     lambda: Vec<f64>,
     /// Half-transformed tangent `K' P`: only its columns belong to nodes.
     half: Vec<f64>,
@@ -125,7 +125,7 @@ impl OnCurves {
     }
 
     /// Positions `P q` of the points.
-    fn seen(&self, q: &[f64]) -> Vec<f64> {
+    fn proxies(&self, q: &[f64]) -> Vec<f64> {
         self.points.points(self.sides.patches.dimension(), q)
     }
 
@@ -229,13 +229,13 @@ impl OnCurves {
     /// Values and gradients of a step, with or without the tangent.
     fn evaluate_inner(&self, derivative: Derivative, q_1: &[f64], lambda: &[f64], wants_tangent: bool, out: &mut Evaluation) {
         let mut scratch = self.scratch.lock().unwrap_or_else(PoisonError::into_inner);
-        let Scratch { inner, seen, lambda: inner_lambda, half } = &mut *scratch;
-        self.points.points_into(self.sides.patches.dimension(), q_1, seen);
+        let Scratch { inner, proxies, lambda: inner_lambda, half } = &mut *scratch;
+        self.points.points_into(self.sides.patches.dimension(), q_1, proxies);
         self.rows.values_into(lambda, inner_lambda);
         if wants_tangent {
-            self.inner.evaluate(derivative, seen, inner_lambda, inner);
+            self.inner.evaluate(derivative, proxies, inner_lambda, inner);
         } else {
-            self.inner.linearize(derivative, seen, inner_lambda, inner, None);
+            self.inner.linearize(derivative, proxies, inner_lambda, inner, None);
         }
         self.on_nodes([self.inner.patches(), &self.sides.patches], 1, inner, wants_tangent.then_some(inner_lambda), half, out);
         inner.drop_tangent();
@@ -292,7 +292,7 @@ impl PatchFunctions for OnCurves {
     }
 
     fn begin_step(&mut self, q_0: &[f64]) {
-        self.inner.begin_step(&self.seen(q_0));
+        self.inner.begin_step(&self.proxies(q_0));
     }
 
     fn start_gap(&self) -> Vec<f64> {
@@ -329,7 +329,7 @@ impl PatchFunctions for OnCurves {
     fn evaluate_slips(&self, step: SlipStep, lambda: &[f64], out: &mut Evaluation) {
         let mut scratch = self.scratch.lock().unwrap_or_else(PoisonError::into_inner);
         let Scratch { inner, lambda: inner_lambda, half, .. } = &mut *scratch;
-        let [q_0, q_1, moved] = [step.q_0, step.q_1, step.moved].map(|values| self.seen(values));
+        let [q_0, q_1, moved] = [step.q_0, step.q_1, step.moved].map(|values| self.proxies(values));
         let mut live = vec![false; self.inner.patches().len()];
         let lives = self.members.iter().zip(step.live).filter(|(_, live)| **live);
         lives.flat_map(|(members, _)| members).for_each(|member| live[member.patch] = true);
@@ -345,7 +345,7 @@ impl PatchFunctions for OnCurves {
     }
 
     fn gap(&self, q: &[f64]) -> Vec<f64> {
-        self.gathered(&self.inner.gap(&self.seen(q)))
+        self.gathered(&self.inner.gap(&self.proxies(q)))
     }
 
     fn slacks(&self) -> Vec<f64> {
@@ -356,7 +356,7 @@ impl PatchFunctions for OnCurves {
 
     fn coverage(&self, q: &[f64]) -> Vec<f64> {
         let mut sums = vec![0.0; self.sides.weights.len()];
-        self.cover(1, &self.inner.coverage(&self.seen(q)), &mut sums);
+        self.cover(1, &self.inner.coverage(&self.proxies(q)), &mut sums);
         sums
     }
 }
@@ -376,7 +376,7 @@ impl CandidateSearch for OnCurves {
     }
 
     fn overlooks(&self, q_0: &[f64], q_1: &[f64], tolerance: f64) -> bool {
-        self.inner.overlooks(&self.seen(q_0), &self.seen(q_1), tolerance)
+        self.inner.overlooks(&self.proxies(q_0), &self.proxies(q_1), tolerance)
     }
 
     fn for_each_participant(&self, p: usize, visit: &mut dyn FnMut(u32)) {
@@ -389,7 +389,7 @@ impl CandidateSearch for OnCurves {
     }
 
     fn restore_candidates(&mut self, candidates: &Candidates, q: &[f64]) {
-        self.inner.restore_candidates(candidates, &self.seen(q));
+        self.inner.restore_candidates(candidates, &self.proxies(q));
         self.list();
     }
 
@@ -398,11 +398,11 @@ impl CandidateSearch for OnCurves {
     }
 
     fn deepest(&self, q: &[f64]) -> f64 {
-        self.inner.deepest(&self.seen(q))
+        self.inner.deepest(&self.proxies(q))
     }
 
     fn crossing(&self, q: &[f64]) -> f64 {
-        self.inner.crossing(&self.seen(q))
+        self.inner.crossing(&self.proxies(q))
     }
 }
 
@@ -420,16 +420,16 @@ impl RigidObstacle for OnCurves {
     }
 
     fn passage(&self, q_1: &[f64]) -> [f64; 2] {
-        self.inner.passage(&self.seen(q_1))
+        self.inner.passage(&self.proxies(q_1))
     }
 
     fn obstacle_force_into(&self, derivative: Derivative, q_1: &[f64], before: &[f64], lambda: &[f64], force: &mut [f64]) -> f64 {
         let d = self.sides.patches.dimension();
-        let [mut pressed, mut inner_lambda, mut seen] = [Vec::new(), Vec::new(), vec![0.0; d * self.points.len()]];
+        let [mut pressed, mut inner_lambda, mut proxies] = [Vec::new(), Vec::new(), vec![0.0; d * self.points.len()]];
         self.rows.values_into(before, &mut pressed);
         self.rows.values_into(lambda, &mut inner_lambda);
-        let work = self.inner.obstacle_force_into(derivative, &self.seen(q_1), &pressed, &inner_lambda, &mut seen);
-        self.points.add_vectors_back(d, &seen, force);
+        let work = self.inner.obstacle_force_into(derivative, &self.proxies(q_1), &pressed, &inner_lambda, &mut proxies);
+        self.points.add_vectors_back(d, &proxies, force);
         work
     }
 }

@@ -71,7 +71,7 @@ impl ProxyNodes {
     }
 
     /// Contact representation of two surfaces that are given by their facets between nodes.
-    pub fn seen<'a>(&self, [secondary, primary]: [&'a [[u32; 2]]; 2], reference: &'a [f64], rows: RowsOf) -> ProxySurfaces<'a> {
+    pub fn surfaces<'a>(&self, [secondary, primary]: [&'a [[u32; 2]]; 2], reference: &'a [f64], rows: RowsOf) -> ProxySurfaces<'a> {
         if !secondary.iter().chain(primary).any(|facet| self.edge(facet[1]).is_some()) {
             return ProxySurfaces {
                 secondary: secondary.into(),
@@ -470,9 +470,9 @@ mod tests {
         let x = [0.0, 0.6, 1.0, 1.4, 2.5, 3.2, 4.4];
         let q: Vec<f64> = x.into_iter().flat_map(|x| [x, 0.5 * x]).collect();
         let (middles, facets) = chain(7);
-        let seen = middles.seen([&facets, &[]], &q, RowsOf::Facets);
-        let (_, on_points) = area(&seen.secondary, &seen.reference);
-        let (curves, ..) = seen.on_curves.expect("its edges are of second order");
+        let surfaces = middles.surfaces([&facets, &[]], &q, RowsOf::Facets);
+        let (_, on_points) = area(&surfaces.secondary, &surfaces.reference);
+        let (curves, ..) = surfaces.on_curves.expect("its edges are of second order");
         let mut forces = vec![0.0; q.len()];
         curves.points.add_vectors_back(2, &on_points, &mut forces);
         let mut expected = [0.0; 7];
@@ -491,18 +491,18 @@ mod tests {
     fn rings_hold_the_area_of_their_circle() {
         let q: Vec<f64> = (0..24).flat_map(|k| <[f64; 2]>::from((std::f64::consts::TAU * f64::from(k) / 24.0).sin_cos())).rev().collect();
         let (middles, facets) = chain(24);
-        let seen = middles.seen([&facets, &[]], &q, RowsOf::Facets);
-        let (sum, _) = area(&seen.secondary, &seen.reference);
+        let surfaces = middles.surfaces([&facets, &[]], &q, RowsOf::Facets);
+        let (sum, _) = area(&surfaces.secondary, &surfaces.reference);
         // With parabolas alone the area is 2e-4 smaller; the remaining error is of sixth order in the angle.
         assert!((sum.abs() / std::f64::consts::PI - 1.0).abs() < 2e-5, "{sum}");
-        assert_eq!(seen.secondary.len(), 48);
+        assert_eq!(surfaces.secondary.len(), 48);
     }
 
     #[test]
     fn facets_between_corners_stay_as_they_are() {
         let q = [0.0, 0.0, 1.0, 0.0, 1.0, 1.0];
         let facets = [[0, 1], [1, 2]];
-        let seen = ProxyNodes::default().seen([&facets, &[]], &q, RowsOf::Facets);
-        assert!(seen.on_curves.is_none() && *seen.secondary == facets && *seen.reference == q);
+        let surfaces = ProxyNodes::default().surfaces([&facets, &[]], &q, RowsOf::Facets);
+        assert!(surfaces.on_curves.is_none() && *surfaces.secondary == facets && *surfaces.reference == q);
     }
 }

@@ -112,17 +112,17 @@ enum Tangents<'a, 'b> {
 
 impl MortarInSpace {
     /// Contact of two surfaces with standard multipliers, sized in the reference positions. Self-contact lists each pair of facets once.
-    pub fn kernel(seen: &ProxySurfacesInSpace) -> Box<dyn ContactKernel> {
-        Box::new(Self::new(seen))
+    pub fn kernel(surfaces: &ProxySurfacesInSpace) -> Box<dyn ContactKernel> {
+        Box::new(Self::new(surfaces))
     }
 
     /// Contact of two surfaces with dual multiplier shape functions: each multiplier loads its own secondary node only.
-    pub fn dual_kernel(seen: &ProxySurfacesInSpace) -> Box<dyn ContactKernel> {
-        Box::new(MortarInSpace { duals: Some(Duals::new(&seen.secondary, &seen.reference)), ..Self::new(seen) })
+    pub fn dual_kernel(surfaces: &ProxySurfacesInSpace) -> Box<dyn ContactKernel> {
+        Box::new(MortarInSpace { duals: Some(Duals::new(&surfaces.secondary, &surfaces.reference)), ..Self::new(surfaces) })
     }
 
-    fn new(seen: &ProxySurfacesInSpace) -> Self {
-        let ProxySurfacesInSpace { secondary, primary, reference, profiles: [own, _], .. } = seen;
+    fn new(surfaces: &ProxySurfacesInSpace) -> Self {
+        let ProxySurfacesInSpace { secondary, primary, reference, profiles: [own, _], .. } = surfaces;
         let sides = Sides::of(secondary.clone(), primary.clone(), reference);
         let search = PairSearch::new(&sides, reference, SEARCH_MARGIN * sides.facet_size);
         let turns = slip::turns(&sides.secondary, reference);
@@ -131,8 +131,8 @@ impl MortarInSpace {
             search,
             q_0: Vec::new(),
             start: Vec::new(),
-            profiles: [own.clone(), seen.primary_profiles()],
-            heights: [0, 1].map(|side| seen.heights(side)),
+            profiles: [own.clone(), surfaces.primary_profiles()],
+            heights: [0, 1].map(|side| surfaces.heights(side)),
             turns,
             workers: Workers::default(),
             correction: Correction::default(),

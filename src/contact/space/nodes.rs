@@ -24,8 +24,8 @@ const RIM: f64 = 0.01;
 
 impl CornersInSpace {
     /// Constraints of the nodes of a surface against the facets of another one.
-    pub(crate) fn of_nodes(seen: &ProxySurfacesInSpace) -> Box<dyn ContactKernel> {
-        let ProxySurfacesInSpace { secondary, primary, reference, .. } = seen;
+    pub(crate) fn of_nodes(surfaces: &ProxySurfacesInSpace) -> Box<dyn ContactKernel> {
+        let ProxySurfacesInSpace { secondary, primary, reference, .. } = surfaces;
         let vertex = |&node: &u32| Vertex { node, spokes: Vec::new(), is_bump: true };
         let owned = Features { vertices: secondary.nodes().iter().map(vertex).collect(), ..Features::new(secondary, reference) };
         let mut opposite = Features { vertices: Vec::new(), ..Features::new(primary, reference) };
@@ -35,7 +35,7 @@ impl CornersInSpace {
         let partners = Surface::in_space((0..primary.count()).map(|facet| primary.facet(facet)));
         let mut made = CornersInSpace::new(secondary.clone(), primary.clone(), features, reference, facet_size);
         (made.sides.weights, made.partners, made.slots) = (weights, partners, 1);
-        made.of_nodes = Some(NodalRows { heights: seen.heights(0), profiles: seen.primary_profiles() });
+        made.of_nodes = Some(NodalRows { heights: surfaces.heights(0), profiles: surfaces.primary_profiles() });
         Box::new(made)
     }
 

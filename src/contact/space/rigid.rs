@@ -61,8 +61,8 @@ pub struct RigidInSpace {
 
 impl RigidInSpace {
     /// Contact of a surface with height profiles with an obstacle, sized in the reference positions.
-    pub fn of_curve(seen: &ProxySurfacesInSpace, obstacle: &ObstacleInSpace) -> Self {
-        RigidInSpace { heights: seen.heights(0), ..Self::new(seen.secondary.clone(), obstacle, &seen.reference) }
+    pub fn of_curve(surfaces: &ProxySurfacesInSpace, obstacle: &ObstacleInSpace) -> Self {
+        RigidInSpace { heights: surfaces.heights(0), ..Self::new(surfaces.secondary.clone(), obstacle, &surfaces.reference) }
     }
 
     /// Contact of a surface whose nodes lie on the curve with an obstacle, sized in the reference positions.

@@ -124,9 +124,9 @@ impl Pairing<'_> {
     fn pair_of(&self, interaction: &Interaction) -> ContactPair {
         let Interaction { name, secondary, partner, .. } = interaction;
         if let Partner::Obstacle { shape: Obstacle::InSpace(shape), motion, turn } = partner {
-            let seen = self.in_space(interaction);
-            let kernel = RigidInSpace::of_curve(&seen, shape).without(seen.belongs_to(&self.round.nodes_inside(interaction)));
-            let kernel = self.turning(turn, seen.on_nodes(Box::new(kernel), true));
+            let surfaces = self.in_space(interaction);
+            let kernel = RigidInSpace::of_curve(&surfaces, shape).without(surfaces.belongs_to(&self.round.nodes_inside(interaction)));
+            let kernel = self.turning(turn, surfaces.on_nodes(Box::new(kernel), true));
             let mut pair = self.obstacle_pair(name, shape, secondary.body, kernel);
             (pair.motion, pair.turn) = (motion.clone(), turn.clone());
             let mut pair = self.held(pair, interaction, false);
@@ -137,12 +137,12 @@ impl Pairing<'_> {
             return pair;
         }
         if let (3, Partner::Tied { to, reach }) = (self.model.dimension(), partner) {
-            let (seen, tie, _) = tied_in_space(self.model, [secondary, to], *reach, self.first, self.start);
-            return self.pair(name, PairKind::Tie, secondary.body, seen.on_nodes(Box::new(tie), true));
+            let (surfaces, tie, _) = tied_in_space(self.model, [secondary, to], *reach, self.first, self.start);
+            return self.pair(name, PairKind::Tie, secondary.body, surfaces.on_nodes(Box::new(tie), true));
         }
         if let (3, Some(kernel)) = (self.model.dimension(), interaction.method.in_space) {
-            let seen = self.in_space(interaction);
-            let kernel = seen.on_nodes(kernel(&seen), true);
+            let surfaces = self.in_space(interaction);
+            let kernel = surfaces.on_nodes(kernel(&surfaces), true);
             let mut pair = self.held(self.pair(name, PairKind::Surfaces, secondary.body, kernel), interaction, false);
             if pair.has_multipliers() {
                 // Over a small part of a facet the constraints of its nodes are nearly dependent.
@@ -158,10 +158,10 @@ impl Pairing<'_> {
                 let others = if is_round { Vec::new() } else { facets_of_all(interaction.primary(), self.facets) };
                 let rows = if interaction.method.is_nodal { RowsOf::Nodes } else { RowsOf::Facets };
                 let exact = interaction.exact_shapes();
-                let seen = self.middles.seen([&facets, &others], self.reference, rows).of_shape(interaction.facet_shape(2));
-                let seen = seen.of_exact(exact.each_ref().map(Option::as_ref));
-                let kernel = (interaction.method.kernel)(&seen.secondary, &seen.primary, &seen.reference);
-                self.pair(name, PairKind::Surfaces, secondary.body, seen.on_nodes(kernel))
+                let surfaces = self.middles.surfaces([&facets, &others], self.reference, rows).of_shape(interaction.facet_shape(2));
+                let surfaces = surfaces.of_exact(exact.each_ref().map(Option::as_ref));
+                let kernel = (interaction.method.kernel)(&surfaces.secondary, &surfaces.primary, &surfaces.reference);
+                self.pair(name, PairKind::Surfaces, secondary.body, surfaces.on_nodes(kernel))
             }
             Partner::Obstacle { shape, motion, turn } => {
                 let kernel = RigidContact::new(&facets, shape, self.reference).without(&self.round.nodes_inside(interaction));
@@ -177,9 +177,9 @@ impl Pairing<'_> {
             Partner::Tied { to, reach } => {
                 let reach = reach.unwrap_or_else(|| tie_reach(&Surface::new(&facets), self.start));
                 let others = (self.facets)(to);
-                let seen = self.middles.seen([&facets, &others], self.start, RowsOf::Facets);
-                let tie = Tie::new(&seen.secondary, &seen.primary, &seen.reference, reach);
-                return self.pair(name, PairKind::Tie, secondary.body, seen.on_nodes(Box::new(tie)));
+                let surfaces = self.middles.surfaces([&facets, &others], self.start, RowsOf::Facets);
+                let tie = Tie::new(&surfaces.secondary, &surfaces.primary, &surfaces.reference, reach);
+                return self.pair(name, PairKind::Tie, secondary.body, surfaces.on_nodes(Box::new(tie)));
             }
         };
         let has_middles = self.middles.lengths(&facets, self.reference).is_some();
@@ -262,33 +262,33 @@ impl Pairing<'_> {
                 continue;
             }
             if let Partner::Obstacle { shape: Obstacle::InSpace(shape), turn, .. } = &interaction.partner {
-                let seen = self.in_space(interaction);
-                if let Some(kernel) = RigidCorners::in_space(&seen.secondary, shape, &seen.reference, size(of)) {
-                    let kernel = self.turning(turn, seen.on_nodes(Box::new(kernel), false));
+                let surfaces = self.in_space(interaction);
+                if let Some(kernel) = RigidCorners::in_space(&surfaces.secondary, shape, &surfaces.reference, size(of)) {
+                    let kernel = self.turning(turn, surfaces.on_nodes(Box::new(kernel), false));
                     add(of, PairKind::Obstacle, interaction.secondary.body, SLACK_IN_SPACE, kernel);
                 }
-                if let Some(kernel) = RoundInSpace::new(&seen.secondary, shape, &seen.reference, size(of)) {
-                    let kernel = self.turning(turn, seen.on_nodes(Box::new(kernel), false));
+                if let Some(kernel) = RoundInSpace::new(&surfaces.secondary, shape, &surfaces.reference, size(of)) {
+                    let kernel = self.turning(turn, surfaces.on_nodes(Box::new(kernel), false));
                     add(of, PairKind::Obstacle, interaction.secondary.body, SLACK_IN_SPACE, kernel);
                 }
                 continue;
             }
             if self.model.dimension() == 3 {
-                let seen = self.in_space(interaction);
+                let surfaces = self.in_space(interaction);
                 // Facets without edge constraints of their own would let the primary side enter between secondary nodes.
-                let seen = if interaction.method.is_nodal { seen.of_shape(FacetShape::Straight) } else { seen };
-                let kernel = CornersInSpace::kernel(&seen);
+                let surfaces = if interaction.method.is_nodal { surfaces.of_shape(FacetShape::Straight) } else { surfaces };
+                let kernel = CornersInSpace::kernel(&surfaces);
                 if let (Partner::Surfaces(_), Some(kernel)) = (&interaction.partner, kernel) {
-                    add(of, PairKind::Surfaces, interaction.secondary.body, SLACK_IN_SPACE, seen.on_nodes(kernel, false));
+                    add(of, PairKind::Surfaces, interaction.secondary.body, SLACK_IN_SPACE, surfaces.on_nodes(kernel, false));
                 }
                 continue;
             }
             if let Partner::Obstacle { shape, turn, .. } = &interaction.partner {
                 let facets = (self.facets)(&interaction.secondary);
-                let seen = self.middles.seen([&facets, &[]], self.reference, RowsOf::Facets);
-                if let Some(kernel) = RigidCorners::new(&seen.secondary, shape, &seen.reference, size(of)) {
+                let surfaces = self.middles.surfaces([&facets, &[]], self.reference, RowsOf::Facets);
+                if let Some(kernel) = RigidCorners::new(&surfaces.secondary, shape, &surfaces.reference, size(of)) {
                     let slack = RigidCorners::slack(shape, size(of));
-                    let kernel = self.turning(turn, seen.on_nodes(Box::new(kernel)));
+                    let kernel = self.turning(turn, surfaces.on_nodes(Box::new(kernel)));
                     add(of, PairKind::Obstacle, interaction.secondary.body, slack, kernel);
                 }
             }
@@ -296,12 +296,12 @@ impl Pairing<'_> {
             for Cornered { on, against, is_primary } in cornered(interaction) {
                 let shapes = if is_primary { [&exact[1], &exact[0]] } else { [&exact[0], &exact[1]] };
                 let [own, others] = [on, against].map(|side| facets_of_all(side, self.facets));
-                let seen = self.middles.seen([&own, &others], self.reference, RowsOf::Nodes).of_shape(interaction.facet_shape(2));
-                let seen = seen.of_exact(shapes.map(Option::as_ref));
-                let sides: [&[[u32; 2]]; 2] = [&seen.secondary, &seen.primary];
+                let surfaces = self.middles.surfaces([&own, &others], self.reference, RowsOf::Nodes).of_shape(interaction.facet_shape(2));
+                let surfaces = surfaces.of_exact(shapes.map(Option::as_ref));
+                let sides: [&[[u32; 2]]; 2] = [&surfaces.secondary, &surfaces.primary];
                 let is_nodal = pairs[of].kernel.is_nodal();
-                if let Some(kernel) = NodeToSegment::of_corners(sides, &seen.reference, size(of), is_nodal) {
-                    add(of, PairKind::Surfaces, on[0].body, 1.0, seen.on_nodes(Box::new(kernel)));
+                if let Some(kernel) = NodeToSegment::of_corners(sides, &surfaces.reference, size(of), is_nodal) {
+                    add(of, PairKind::Surfaces, on[0].body, 1.0, surfaces.on_nodes(Box::new(kernel)));
                 }
             }
         }
