@@ -81,8 +81,8 @@ fn about(center: [f64; 2], [a, b]: [[f64; 3]; 2]) -> Option<[f64; 3]> {
 }
 
 impl Mesh {
-    /// [`Mesh::with_cells`] with the mid-side nodes of second-order cells on the exact curves of their edges, and the centers of the faces of
-    /// hexahedra with 27 nodes on the exact surfaces.
+    /// [`Mesh::with_cells`] with the mid-side nodes of second-order cells on the exact curves of their edges, and the centers of the faces
+    /// of hexahedra with 27 nodes on the exact surfaces.
     ///
     /// # Errors
     /// Errors of [`Mesh::with_cells`]; cells so coarse that they are inverted.
@@ -119,8 +119,8 @@ impl Mesh {
         self.checked()
     }
 
-    /// Moves the centers of those faces of a hexahedron with 27 nodes whose middle lines are curves of the given shape to the point where the
-    /// two lines cross, and the center of the cell to the position that follows from its faces.
+    /// Moves the centers of those faces of a hexahedron with 27 nodes whose middle lines are curves of the given shape to the point where
+    /// the two lines cross, and the center of the cell to the position that follows from its faces.
     fn center_on(&mut self, cell: usize, round: Round) {
         let kind = self.kind_of(cell);
         if kind != CellKind::Hex27 {
