@@ -25,10 +25,10 @@ pub(super) const ROW: MaterialRow = MaterialRow {
 /// Constants of linear elasticity.
 ///
 /// ```
-/// # use conserva_base::materials::{Kinematics, LinearElasticity};
+/// # use conserva_materials::materials::{Kinematics, LinearElasticity};
 /// let steel = LinearElasticity { youngs_modulus: 2.1e11, poisson_ratio: 0.3, density: 7800.0 }.material()?;
 /// assert_eq!(steel.kinematics(), Kinematics::Linear);
-/// # Ok::<(), conserva_base::materials::MaterialError>(())
+/// # Ok::<(), conserva_materials::materials::MaterialError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinearElasticity {

@@ -134,7 +134,7 @@ impl Material {
     /// Material of a stored energy defined by text.
     ///
     /// ```
-    /// # use conserva_base::materials::{Material, StoredEnergy};
+    /// # use conserva_materials::materials::{Material, StoredEnergy};
     /// let energy = StoredEnergy::new("mu/2*(I1bar - 3)", Some("k/2*(J - 1)^2"), &[("mu", 1.0), ("k", 100.0)])?;
     /// let rubber = Material::hyperelastic(energy, 1e-3)?;
     /// assert!((rubber.youngs_modulus() - 9.0 * 100.0 / (3.0 * 100.0 + 1.0)).abs() < 1e-12);

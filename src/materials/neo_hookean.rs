@@ -47,13 +47,13 @@ pub(super) const POWER_ROW: MaterialRow = MaterialRow {
 /// Constants of the compressible neo-Hookean law at zero strain.
 ///
 /// ```
-/// # use conserva_base::materials::NeoHookean;
+/// # use conserva_materials::materials::NeoHookean;
 /// let steel = NeoHookean { youngs_modulus: 2.1e11, poisson_ratio: 0.3, density: 7800.0 }.material()?;
 /// assert_eq!(steel.density(), 7800.0);
 ///
 /// let error = NeoHookean { youngs_modulus: 2.1e11, poisson_ratio: 0.6, density: 7800.0 }.material().unwrap_err();
 /// assert_eq!(error.to_string(), "`poisson_ratio` of `neo_hookean` must be greater than -1 and less than 0.5, but is 0.6");
-/// # Ok::<(), conserva_base::materials::MaterialError>(())
+/// # Ok::<(), conserva_materials::materials::MaterialError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NeoHookean {
@@ -77,10 +77,10 @@ impl NeoHookean {
     /// The material with these constants whose volumetric part has the power form `lambda/4 (J^2 - 1 - 2 ln J)`.
     ///
     /// ```
-    /// # use conserva_base::materials::NeoHookean;
+    /// # use conserva_materials::materials::NeoHookean;
     /// let foam = NeoHookean { youngs_modulus: 1.0, poisson_ratio: 0.2, density: 0.1 }.material_of_power_form()?;
     /// assert_eq!(foam.volumetric_form().map(|form| form.name), Some("power"));
-    /// # Ok::<(), conserva_base::materials::MaterialError>(())
+    /// # Ok::<(), conserva_materials::materials::MaterialError>(())
     /// ```
     ///
     /// # Errors

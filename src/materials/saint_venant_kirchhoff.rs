@@ -27,13 +27,13 @@ pub(super) const ROW: MaterialRow = MaterialRow {
 /// Constants of the Saint Venant-Kirchhoff law at zero strain.
 ///
 /// ```
-/// # use conserva_base::materials::SaintVenantKirchhoff;
+/// # use conserva_materials::materials::SaintVenantKirchhoff;
 /// let steel = SaintVenantKirchhoff { youngs_modulus: 2.1e11, poisson_ratio: 0.3, density: 7800.0 }.material()?;
 /// assert_eq!(steel.density(), 7800.0);
 ///
 /// let error = SaintVenantKirchhoff { youngs_modulus: 2.1e11, poisson_ratio: 0.6, density: 7800.0 }.material().unwrap_err();
 /// assert_eq!(error.to_string(), "`poisson_ratio` of `saint_venant_kirchhoff` must be greater than -1 and less than 0.5, but is 0.6");
-/// # Ok::<(), conserva_base::materials::MaterialError>(())
+/// # Ok::<(), conserva_materials::materials::MaterialError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SaintVenantKirchhoff {
