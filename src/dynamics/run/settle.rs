@@ -225,7 +225,7 @@ where
             Err(failure) => return Err(self.failed(&failure, 0.0, 0)),
         };
         let is_carried = self.rest_friction && self.state.slips_until != time && self.system.pairs.iter().any(ContactPair::carries);
-        let is_closed = prescribed == 0.0 && !is_carried && meets(&self.system, &at, &self.conditions_at_rest(&start));
+        let is_closed = prescribed == 0.0 && !is_carried && meets(&self.system, &at, &self.conditions_of_equilibrium(&start, &at.lambda));
         let imbalance = balance.judge(&self.system, at.pose(), &at.forces);
         Ok(EvaluatedState { positions, displacements, predicted, moved, prescribed, is_whole, reaches, at, imbalance, is_closed })
     }
@@ -380,6 +380,16 @@ where
             stops: vec![false; count],
             dt: 0.0,
         }
+    }
+
+    /// Conditions by which a state is an equilibrium: those of a static step, but corner constraints without a force may overlap by twice
+    /// their slack. The facet opposite a corner is chosen anew for every state; a constraint whose facet changes once it is closed would
+    /// otherwise close and open in turn, without end.
+    fn conditions_of_equilibrium(&self, start: &StepStart, lambda: &[f64]) -> Conditions {
+        let mut conditions = self.conditions_at_rest(start);
+        let corners = self.system.pairs.iter().filter(|pair| pair.corners.is_some());
+        corners.flat_map(|pair| pair.rows.clone()).filter(|&row| lambda[row] == 0.0).for_each(|row| conditions.targets[row] *= 2.0);
+        conditions
     }
 
     fn damped_step(
