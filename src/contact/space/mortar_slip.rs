@@ -19,8 +19,9 @@ impl SlipGroups for MortarInSpace {
         let Some(pair) = Pair::at(z, counts).filter(Pair::overlaps) else { return Vec::new() };
         let positions: Vec<Vec3<OfNodes>> = jets(z.as_flattened(), 0);
         let Some(frame) = FacetFrame::new(&positions[..counts[0]]) else { return Vec::new() };
-        // Weights have a kink where edges of both facets coincide. There the corners of the overlap move with what defines them. Derivatives
-        // by edges, which belong to either facet by round-off, made resting arches crawl (`tests/scripts/rigid_friction_in_space.rhai`).
+        // Weights have a kink where edges of both facets coincide. There the corners of the overlap move with what defines them:
+        // derivatives by edges, which belong to either facet by round-off, made resting arches crawl
+        // (`tests/scripts/rigid_friction_in_space.rhai`).
         let weights = match Pair::new(&positions, counts).filter(|_| pair.has_coinciding_edges()) {
             Some(clipped) => clipped.mortar_weights(),
             None => pair.differentiated_weights(),
