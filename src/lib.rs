@@ -142,8 +142,8 @@ pub use conserva_dynamics::dynamics;
 pub use conserva_materials::materials;
 #[doc(inline)]
 pub use conserva_mesh::mesh;
-
-pub mod output;
+#[doc(inline)]
+pub use conserva_output::output;
 
 #[cfg(feature = "scripts")]
 pub mod script;

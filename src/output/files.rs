@@ -226,7 +226,7 @@ impl RunFiles {
     }
 
     /// True if the record of the run has a file of that name, which may have been removed since.
-    pub(crate) fn has_written(&self, name: &str) -> bool {
+    pub fn has_written(&self, name: &str) -> bool {
         self.run.as_ref().is_some_and(|run| run.record.knows(&self.root.join(name)))
     }
 
@@ -290,7 +290,7 @@ impl RunFiles {
     ///
     /// # Errors
     /// As [`Self::write`].
-    pub(crate) fn write_durably(&self, name: &str, bytes: impl AsRef<[u8]>) -> Result<PathBuf, OutputError> {
+    pub fn write_durably(&self, name: &str, bytes: impl AsRef<[u8]>) -> Result<PathBuf, OutputError> {
         self.replace(name, |file| file.write_all(bytes.as_ref()).and_then(|()| file.sync_all()))
     }
 
@@ -299,7 +299,7 @@ impl RunFiles {
     ///
     /// # Errors
     /// As [`Self::write`].
-    pub(crate) fn write_counted(&self, name: &str, time: Option<f64>, bytes: impl AsRef<[u8]>) -> Result<PathBuf, OutputError> {
+    pub fn write_counted(&self, name: &str, time: Option<f64>, bytes: impl AsRef<[u8]>) -> Result<PathBuf, OutputError> {
         let path = self.write(name, bytes.as_ref())?;
         self.run.iter().for_each(|run| run.counted.note(&path, time, bytes.as_ref()));
         Ok(path)

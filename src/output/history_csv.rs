@@ -77,7 +77,7 @@ impl HistoryCsv {
     }
 
     /// Counts the rows of an earlier process; no row is written before [`Self::begin`].
-    pub(crate) fn recalled(files: &RunFiles, dimension: usize, extra: Vec<String>) -> Self {
+    pub fn recalled(files: &RunFiles, dimension: usize, extra: Vec<String>) -> Self {
         HistoryCsv { files: files.clone(), dimension, extra, stream: None, rows: 0, marks: vec![(0, 0)], sum: None }
     }
 

@@ -58,7 +58,7 @@ impl FieldSeries {
     ///
     /// # Errors
     /// An invalid name.
-    pub(crate) fn recalled(files: &RunFiles, name: &str) -> Result<Self, OutputError> {
+    pub fn recalled(files: &RunFiles, name: &str) -> Result<Self, OutputError> {
         let name = if name.ends_with(".pvd") { name.to_string() } else { format!("{name}.pvd") };
         let stem = files.place(&name)?.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
         Ok(FieldSeries { files: files.clone(), name, stem, frames: Vec::new(), recalls: true })

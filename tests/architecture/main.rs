@@ -32,13 +32,14 @@ const FLOORS: &[&[&str]] = &[
 ];
 
 /// Libraries of the packages, from the lowest floor upwards.
-const LIBRARIES: [&str; 7] = [
+const LIBRARIES: [&str; 8] = [
     "packages/base/lib.rs",
     "packages/materials/lib.rs",
     "packages/mesh/lib.rs",
     "packages/bodies/lib.rs",
     "packages/contact/lib.rs",
     "packages/dynamics/lib.rs",
+    "packages/output/lib.rs",
     "src/lib.rs",
 ];
 

@@ -140,7 +140,7 @@ impl Vectors {
     }
 
     /// True if arrows end at their node (contact force and pressure); otherwise they begin there.
-    pub(crate) fn ends_at_node(self) -> bool {
+    pub fn ends_at_node(self) -> bool {
         matches!(self, Vectors::ContactForce | Vectors::ContactPressure)
     }
 }

@@ -43,7 +43,7 @@ impl View {
     }
 
     /// Returns the view from a direction (from the bodies to the viewer) in which the axis `axis` points up; `None` for a zero direction.
-    pub(crate) fn from_direction(direction: [f64; 3], axis: usize) -> Option<View> {
+    pub fn from_direction(direction: [f64; 3], axis: usize) -> Option<View> {
         let toward = unit(direction)?;
         let View { up: sky, toward: front, .. } = View::upright(axis);
         let level = |up: [f64; 3]| unit([0, 1, 2].map(|d| up[d] - dot(up, toward) * toward[d]));
