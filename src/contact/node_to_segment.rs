@@ -50,8 +50,9 @@ const RIGID_CORNER: f64 = 0.999_998;
 /// surfaces, on which corner constraints would depend linearly.
 const OVERLAP_OF_SURFACES: f64 = 0.15;
 
-/// Smallest angle of a concave corner (pocket) in degrees; `POCKET_REACH`: largest distance of a node from its vertex, in shortest facets.
+/// Smallest angle of a concave corner (pocket), in degrees.
 const POCKET: f64 = 3.0;
+/// Largest distance of a node from the vertex of a pocket, in shortest facets.
 const POCKET_REACH: f64 = 0.25;
 
 /// Node-to-segment contact of two surfaces.

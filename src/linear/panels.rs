@@ -41,11 +41,13 @@ pub(super) struct Scratch {
     /// Four columns of the upper factor above each diagonal 4 x 4 block, stored by rows; likewise four rows of the lower factor.
     pub(super) upper_rows: Vec<[f64; WIDTH]>,
     pub(super) lower_rows: Vec<[f64; WIDTH]>,
-    /// Strips of a block of pivots: rows below and columns to the right of the pivot block; `below` and `right`: rows and columns inside of
-    /// the pivot block.
+    /// Strips of the rows below the pivot block.
     pub(super) lower: Vec<f64>,
+    /// Strips of the columns to the right of the pivot block.
     pub(super) upper: Vec<f64>,
+    /// Strips of the rows inside the pivot block.
     pub(super) below: Vec<f64>,
+    /// Strips of the columns inside the pivot block.
     pub(super) right: Vec<f64>,
 }
 

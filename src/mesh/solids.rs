@@ -119,9 +119,10 @@ pub fn rounded_block(size: [f64; 3], radius: f64, cells: [usize; 3], around: [us
     mesh.translate(origin)
 }
 
-/// Shape of the core of a sphere: `CORE` is the distance of the centers of its sides from the sphere's center, over the radius; `BULGE`
-/// blends between a cube (0) and a sphere (1). The scaled Jacobian is at least 0.68 for every number of cells, near the optimum of both.
+/// Distance of the centers of the core's sides from the sphere's center, over the radius. With [`BULGE`], the scaled Jacobian is at least
+/// 0.68 for every number of cells, near the optimum of both.
 const CORE: f64 = 0.45;
+/// Blend of the shape of a sphere's core between a cube (0) and a sphere (1).
 const BULGE: f64 = 0.6;
 
 /// Grid line with the base `b` and the slope `t` of the module description.

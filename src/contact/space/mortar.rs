@@ -69,10 +69,11 @@ struct Scratch {
     start: Vec<f64>,
     end: Vec<f64>,
     middle: Vec<f64>,
-    /// `row`: gradient of one function; `hessian`: weighted Hessian; `weighted`: gradients at mid-step and at the end, weighted by the
-    /// multipliers.
+    /// Gradient of one function.
     row: Vec<f64>,
+    /// Weighted Hessian.
     hessian: Vec<f64>,
+    /// Gradients at mid-step and at the end, weighted by the multipliers.
     weighted: [Vec<f64>; 2],
     projection: Projection<3>,
 }

@@ -25,8 +25,9 @@ pub struct FrictionRows {
     pub tangents: usize,
     /// Multiplier per slip, which scales slips to multipliers.
     pub c: f64,
-    /// Blocks of each tangential constraint with its normal constraint, and with the other constraints of its group.
+    /// Blocks of each tangential constraint with its normal constraint.
     pub(super) couplings: Vec<Block>,
+    /// Blocks of each tangential constraint with the other constraints of its group.
     pub(super) partners: Vec<Block>,
 }
 

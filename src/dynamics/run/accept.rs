@@ -26,8 +26,9 @@ use crate::integrators::{Derivative, History};
 struct Outside {
     /// Loads on the nodes `[force]`.
     load: Vec<f64>,
-    /// Forces of rigid obstacles and of the ground, and the work of moving obstacles.
+    /// Forces of rigid obstacles and of the ground.
     obstacles: Vec<f64>,
+    /// Work of moving obstacles.
     obstacle_work: f64,
     /// Part of the obstacle work that the drive of each joint does.
     drive_works: Vec<f64>,

@@ -282,8 +282,9 @@ pub struct Measures<'a> {
     pub refused: &'a [Halving],
     /// True if the step size is controlled.
     pub chooses_steps: bool,
-    /// Number of factorizations, and the part in failed attempts and undone steps.
+    /// Number of factorizations.
     pub factorizations: usize,
+    /// Number of factorizations in failed attempts and undone steps.
     pub discarded: usize,
 }
 
@@ -311,8 +312,9 @@ struct Gathered {
     defect: At,
     /// Depth in facets for each contact.
     depths: Vec<At>,
-    /// Largest relative energy that contact removed, and added, in a step.
+    /// Largest relative energy that contact removed in a step.
     taken: At,
+    /// Largest relative energy that contact added in a step.
     given: At,
     /// Sums of the energy taken by contact, of the work of contact, and of energy defects.
     sums: [f64; 3],

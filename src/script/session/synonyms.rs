@@ -56,7 +56,10 @@ const MISSING: &[(&[&str], &str)] = &[
         &["cohesive", "crack", "fracture", "damage", "delamination", "debonding"],
         "no law breaks: bodies and bonds have no damage, and `tie` holds for good (docs/limits.md)",
     ),
-    (&["fatigue", "rainflow", "s-n curve"], "there is no law of fatigue: `sim.probe` records the stresses at a point, for evaluation in another program"),
+    (
+        &["fatigue", "rainflow", "s-n curve"],
+        "there is no law of fatigue: `sim.probe` records the stresses at a point, for evaluation in another program",
+    ),
     (
         &["wear", "archard"],
         "surfaces do not wear: `friction_work` of the history is the work to which a law of wear in another program applies",

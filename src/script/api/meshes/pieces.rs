@@ -10,8 +10,9 @@ use crate::mesh::{Facet, Mesh};
 use crate::script::language::diagnostics::Diagnostic;
 use crate::script::language::prelude::*;
 
-/// Largest angle between a normal and a direction, and largest angle across an edge of a side: 5 and 20 degrees.
+/// Largest angle between a normal and a direction, 5 degrees.
 const SAME_DIRECTION: f64 = std::f64::consts::PI / 36.0;
+/// Largest angle across an edge of a side, 20 degrees.
 const SAME_SIDE: f64 = std::f64::consts::PI / 9.0;
 
 /// Script functions defined in this file.

@@ -32,8 +32,9 @@ pub struct ModesData {
     modes: Modes,
     /// Simulation, in whose folder files are written.
     simulation: SimulationHandle,
-    /// Bodies in the state of the search, with zero displacement, and the obstacles.
+    /// Bodies in the state of the search, with zero displacement.
     bodies: Vec<BodyFields>,
+    /// Obstacles in the state of the search.
     obstacles: Vec<PlacedObstacle>,
     /// Ratio of the script's unit of time to that of the solver.
     unit: f64,
