@@ -61,8 +61,9 @@ pub(super) fn normal<T: Number>(own: Vector<T>, other: Vector<T>, has_other: boo
 
 /// Overlap of a secondary facet with a primary facet along the averaged normals.
 pub(super) struct AveragedOverlap<T> {
-    /// Secondary facet vector `x_2 - x_1`, and primary nodes relative to `x_1`.
+    /// Secondary facet vector `x_2 - x_1`.
     pub(super) t: Vector<T>,
+    /// Primary nodes relative to `x_1`.
     pub(super) y: [Vector<T>; 2],
     /// Normal at the first secondary node.
     pub(super) normal: Vector<T>,

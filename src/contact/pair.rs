@@ -63,8 +63,9 @@ pub type PerNode<T> = [T; 2];
 #[derive(Clone, Copy, Debug)]
 pub struct Overlap<'a> {
     pub(super) pi: Invariants,
-    /// Ends `a`, `b` of the overlap in the secondary coordinate; `moves`: true for each end that is at a primary node.
+    /// Ends `a`, `b` of the overlap in the secondary coordinate.
     pub(super) ends: [f64; 2],
+    /// True for each end of the overlap that is at a primary node.
     pub(super) moves: [bool; 2],
     /// Length `b - a` of the overlap.
     pub(super) length: f64,

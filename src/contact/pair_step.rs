@@ -80,8 +80,9 @@ pub(super) struct Functions<'a> {
 pub(super) struct Differentiated {
     /// Algorithmic gradients of both functions.
     pub(super) bar: PerNode<Invariants>,
-    /// Sum of the algorithmic gradients weighted by the multipliers, and its derivative.
+    /// Sum of the algorithmic gradients weighted by the multipliers.
     pub(super) weighted_bar: Invariants,
+    /// Derivative of the weighted sum of the algorithmic gradients.
     pub(super) slope: [Invariants; 5],
 }
 

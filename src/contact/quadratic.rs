@@ -204,8 +204,9 @@ struct Curves {
 struct Edge {
     middle: u32,
     ends: [u32; 2],
-    /// Chord, and offset of the mid-side node from the chord's middle `[length]`.
+    /// Chord `[length]`.
     chord: [f64; 2],
+    /// Offset of the mid-side node from the chord's middle `[length]`.
     offset: [f64; 2],
     /// Shift of the mid-side node along the chord, in chord lengths.
     shift: f64,

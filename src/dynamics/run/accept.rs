@@ -32,8 +32,9 @@ struct Outside {
     obstacle_work: f64,
     /// Part of the obstacle work that the drive of each joint does.
     drive_works: Vec<f64>,
-    /// Work of moving supports. `slip_moment`: their angular momentum in addition to that of the reactions.
+    /// Work of moving supports.
     prescribed_work: f64,
+    /// Angular impulse of moving supports in addition to that of the reactions.
     slip_moment: [f64; 3],
     /// Contribution of this step's loads and of its obstacle forces to the force history of a scheme that keeps one.
     own: [Vec<f64>; 2],

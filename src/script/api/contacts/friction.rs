@@ -14,8 +14,9 @@ use crate::script::language::digits::number_text;
 use crate::script::language::prelude::*;
 use crate::script::language::values::{as_number, describe};
 
-/// Powers of ten of the slip speeds at which a closure is sampled, and number of samples per decade; 0 is added.
+/// Powers of ten of the slip speeds at which a closure is sampled; 0 is added.
 const DECADES: [i32; 2] = [-12, 12];
+/// Number of samples per decade of slip speeds.
 const SPEEDS: i32 = 128;
 
 /// Largest coefficient of friction without a warning: clean metals in vacuum and soft rubber reach 2 to 3.

@@ -13,8 +13,9 @@ use crate::script::language::prelude::*;
 
 const RUBBER: &str = "let rubber = mooney_rivlin(#{ c10: 0.16, c01: 0.02, bulk_modulus: 100.0, density: 1e-9 });\n";
 
-/// Default range of stretches in a plot, and number of points on each side of 1.
+/// Default range of stretches in a plot.
 const STRETCHES: [f64; 2] = [0.5, 3.0];
+/// Number of points of a plot on each side of the stretch 1.
 const POINTS: usize = 60;
 
 /// Script functions defined in this file.
