@@ -84,13 +84,12 @@ struct Deepest {
 }
 
 /// Kink of the distance inside of a sharp edge of the obstacle, where the deepest point has the same depth below both sides. The gradient
-/// is the convex combination of both normals without component along the surface's edge (Danskin, SIAM J. Appl. Math. 14, 1966).
+/// is the convex combination of both normals without component along the surface's edge (Danskin, SIAM J. Appl. Math. 14, 1966); `jump` is
+/// the component of the normals' `difference` along this edge.
 struct Kink {
     normal: Vector3<f64>,
     curvature: Matrix3<f64>,
-    /// Difference of both normals.
     difference: Vector3<f64>,
-    /// Component of the difference along the edge.
     jump: f64,
 }
 

@@ -271,8 +271,7 @@ pub struct Measures<'a> {
     pub defect: Option<f64>,
     /// Name of the time integrator.
     pub integrator: &'static str,
-    /// True for explicit steps with forward increments of multipliers, whose contact returns in one step the energy taken in the next: sums
-    /// are judged.
+    /// True for explicit steps, whose contact returns in one step the energy taken in the next: sums over steps are judged.
     pub is_explicit: bool,
     /// True for statics, where works follow the trapezoidal rule.
     pub is_static: bool,
@@ -312,9 +311,8 @@ struct Gathered {
     defect: At,
     /// Depth in facets for each contact.
     depths: Vec<At>,
-    /// Largest relative energy that contact removed in a step.
+    /// Largest relative energy that contact removed in a step; `given`: that it added.
     taken: At,
-    /// Largest relative energy that contact added in a step.
     given: At,
     /// Sums of the energy taken by contact, of the work of contact, and of energy defects.
     sums: [f64; 3],
