@@ -70,7 +70,7 @@ pub(super) struct Functions<'a> {
     pub(super) end_value: PerNode<f64>,
     pub(super) end_gradient: &'a PerNode<Invariants>,
     pub(super) middle: &'a Option<Overlap<'a>>,
-    /// Multipliers of both constraints of the pair.
+    /// Multipliers of the normal constraints of both secondary nodes.
     pub(super) weights: PerNode<f64>,
     /// Round-off of the invariants `[length^2]`.
     pub(super) round_off: f64,

@@ -309,7 +309,7 @@ pub enum ModelError {
         contact: String,
         /// Largest distance of a secondary node from the other side `[length]`.
         gap: f64,
-        /// Distance over the length of the secondary facets.
+        /// Distance relative to the length of the secondary facets.
         facets: f64,
     },
     /// Inverted or degenerate cell.

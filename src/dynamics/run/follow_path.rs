@@ -59,7 +59,7 @@ struct Rates {
 
 /// Solutions of Newton's system at a point for the residual and for a unit load.
 struct Response {
-    /// Largest residual over the largest force.
+    /// Largest residual relative to the largest force.
     residual: f64,
     correction: Vec<f64>,
     lambda: Vec<f64>,
