@@ -41,7 +41,7 @@ pub enum FitError {
     #[error(transparent)]
     Energy(#[from] EnergyError),
     /// Fewer points than constants.
-    #[error("{points} points cannot tell {constants} constants")]
+    #[error("{points} points cannot determine {constants} constants")]
     Points {
         /// Number of points in the tests.
         points: usize,

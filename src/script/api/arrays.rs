@@ -71,7 +71,7 @@ fn of_numbers(name: &'static str, summary: &'static str, compute: fn(&Array) -> 
             let values = numbers_of(call, "values")?;
             compute(&values).ok_or_else(|| {
                 let failure = call.argument("values").fail(format!("an empty array has no `{name}`")).code(causes::NO_SUCH);
-                failure.hint("ask `values.is_empty()` first").into()
+                failure.hint("check `values.is_empty()` first").into()
             })
         }),
     }

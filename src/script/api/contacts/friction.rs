@@ -87,7 +87,7 @@ fn coulomb() -> Function {
                 let failure = argument.fail(format!("{} must be 1 or more", argument.title())).code(causes::OUT_OF_RANGE);
                 return Err(failure
                     .label(format!("this is {}", number_text(static_ratio)))
-                    .hint("what rests holds no less than what slides")
+                    .hint("static friction is at least as large as kinetic friction")
                     .into());
             }
             let adhesion = options.number("adhesion")?;
@@ -99,7 +99,7 @@ fn coulomb() -> Function {
             if transition.is_none() && static_ratio != 1.0 {
                 let failure = options.argument("at_rest").fail("`at_rest` needs a `transition_speed`").code(causes::OPTIONS_TOGETHER);
                 return Err(failure
-                    .hint("add the speed that parts rest from sliding, such as a hundredth of the speeds that matter")
+                    .hint("add the speed of the transition from static to kinetic friction, such as a hundredth of typical sliding speeds")
                     .into());
             }
             let law = Coulomb {
@@ -187,7 +187,7 @@ fn sampled(argument: &Argument, closure: &Callback) -> Result<Vec<(f64, f64)>, B
                 let given = describe(argument.call().engine(), &value);
                 Err(failure
                     .label(format!("at the speed {} this gives {given}", number_text(speed)))
-                    .hint("write `|v| max(0.0, …)`: it is asked for speeds from 0 to 1e12")
+                    .hint("write `|v| max(0.0, …)`: it is evaluated for speeds from 0 to 1e12")
                     .into())
             }
         }

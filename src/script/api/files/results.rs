@@ -115,7 +115,7 @@ fn refused(call: &Call, value: &Dynamic) -> Failure {
         .code(causes::WRONG_TYPE);
     failure
         .label(format!("this is {}", describe(call.engine(), value)))
-        .hint("give one number that tells it, such as the last of a column: `sim.history.total[-1]`")
+        .hint("give one number that represents it, such as the last of a column: `sim.history.total[-1]`")
 }
 
 /// Converts a value for a file; `None` for values that no file can hold. JSON has no numbers that are not finite: these are written as

@@ -96,7 +96,7 @@ fn unreached(call: &Call, material: &Material, stretch: f64, last: f64) -> Failu
     let title = format!("`{}` has no state at a stretch of {}", material.name(), number_text(stretch));
     let failure = Failure::new(Class::Numerics, title).in_method(call.function.form.receiver().is_some());
     let failure = failure.code("C0324").cause(format!("the last state that was found has a stretch of {last:.3}"));
-    failure.hint("choose a stretch nearer to 1; `material.check()` tells where the law fails")
+    failure.hint("choose a stretch nearer to 1; `material.check()` reports where the law fails")
 }
 
 /// Returns stretches from 1 to `stretch`, both included, in steps of a few percent, at least `points` values.

@@ -89,7 +89,7 @@ fn warn_of_softening(argument: &Argument, law: &Hardening) {
         call.host.warn(
             Diagnostic::warning(title, call.place(&argument.target()))
                 .code("C0308")
-                .cause("what softens flows in a band as narrow as the cells: results depend on the mesh")
+                .cause("a softening material flows in a band as narrow as the cells: results depend on the mesh")
                 .hint("refine the mesh and compare, or give a `viscosity` with `rate_dependent`, which gives bands a width"),
         );
     }

@@ -83,7 +83,7 @@ fn part_where() -> Function {
             if cells.is_empty() {
                 let failure = call.argument("condition").fail(format!("the part \"{name}\" would have no cells")).code(causes::EMPTY);
                 return Err(failure
-                    .hint("the condition is asked at the centers of the cells; `print(mesh.quality())` shows the mesh")
+                    .hint("the condition is evaluated at the centers of the cells; `print(mesh.quality())` shows the mesh")
                     .into());
             }
             mesh.parts.push((name, cells));

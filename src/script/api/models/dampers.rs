@@ -52,7 +52,7 @@ fn law_of(options: &Options) -> Result<Viscous, Failure> {
         None => Ok(law),
         Some(speed) => {
             let force = number_text(law.force(speed).0);
-            let failure = options.argument("force").fail("the force drives where it should damp");
+            let failure = options.argument("force").fail("the force supplies energy instead of damping");
             let failure = failure.cause(format!("at v = {} it is {force}", number_text(speed)));
             Err(failure.hint("let it have the sign of `v` everywhere, and be 0 at rest: `c*v`, `c*v*abs(v)`"))
         }

@@ -37,7 +37,7 @@ pub fn rotating_frame() -> Function {
             let definition = frame_of(&options, &model)?;
             if model.0.borrow().model.parts.iter().any(|part| part.is_gyroscopic()) {
                 return Err(call
-                    .fail("the model's frame turns already")
+                    .fail("the model has a rotating frame already")
                     .code(causes::NAME_TAKEN)
                     .hint("give one velocity, about one axis")
                     .into());

@@ -85,7 +85,7 @@ pub fn friction_of(options: &Options, joint: &JointDefinition, dimension: usize)
     if rotates && friction.coefficient > 0.0 && !given("radius") {
         let hint = "give the radius of the bearing, such as `radius: 0.01`; a friction moment that does not depend on the force is \
                     `friction_moment`";
-        return refused("friction", "needs `radius`: the force rubs at the radius of the bearing".into(), hint);
+        return refused("friction", "needs `radius`: the friction force acts at the radius of the bearing".into(), hint);
     }
     if let Some(key) = ["preload", "radius"].into_iter().find(|key| friction.coefficient == 0.0 && given(key)) {
         return refused(key, "needs `friction`, by which it is multiplied".into(), "give the coefficient, such as `friction: 0.2`");

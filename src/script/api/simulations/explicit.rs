@@ -102,7 +102,7 @@ fn now(call: &Call) -> Result<Map, Failure> {
     if simulation.options().integrator.lumping().is_none() {
         let name = simulation.options().integrator.name;
         let failure = call.fail(format!("`{name}` has no longest stable step: its steps solve equations")).code(causes::BODY_KIND);
-        return Err(failure.hint("`stable_step(model)` tells that of `central_differences` for a model"));
+        return Err(failure.hint("`stable_step(model)` returns that of `central_differences` for a model"));
     }
     let found = simulation.stable_step();
     drop(simulation);

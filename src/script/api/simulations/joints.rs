@@ -176,7 +176,11 @@ fn joint() -> Function {
             }
             let found = handle.with(call, |simulation| (simulation.joint(&name), simulation.time(), simulation.dimension()))?;
             let (Some(load), time, dimension) = found else {
-                return Err(call.fail(format!("nothing is known of joint \"{name}\"")).code(causes::NO_SUCH).hint("take a step").into());
+                return Err(call
+                    .fail(format!("joint \"{name}\" has no values before the first step"))
+                    .code(causes::NO_SUCH)
+                    .hint("take a step")
+                    .into());
             };
             let acting = handle.0.script_time(load.time);
             Ok(Dynamic::from(JointHandle { name, time, acting, dimension, load, told: ScriptOutput::of(&handle) }))

@@ -165,7 +165,7 @@ pub(super) fn shown(options: &Options, data: &SimulationData) -> Result<PictureO
             .fail("bodies in space have no axes with numbers")
             .code(causes::DIMENSION)
             .cause("lengths along the line of sight cannot be read off");
-        return Err(failure.hint("use `scale: \"bar\"`; the triad tells the directions"));
+        return Err(failure.hint("use `scale: \"bar\"`; the triad shows the directions"));
     }
     let vectors = text("vectors")?;
     let vectors = Vectors::ALL.iter().find(|row| row.0 == vectors).map(|row| row.2);

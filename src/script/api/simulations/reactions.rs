@@ -84,7 +84,7 @@ fn reaction() -> Function {
                 .with_row(call, |simulation| (simulation.row().reactions.get(index).copied(), simulation.time(), simulation.dimension()))?;
             let (Some(reaction), time, dimension) = found else {
                 let failure = call.fail(format!("the reaction of \"{boundary}\" is not known before the first step")).code(causes::TIME);
-                return Err(failure.hint("take a step, or bring the model to rest by `sim.settle()`").into());
+                return Err(failure.hint("take a step, or compute an equilibrium by `sim.settle()`").into());
             };
             Ok(Dynamic::from(ReactionHandle { boundary, time, dimension, reaction, told: ScriptOutput::of(&handle) }))
         }),

@@ -100,7 +100,7 @@ fn section_force() -> Function {
                     .fail(format!("body \"{}\" is rigid: it has no stresses", definition.name))
                     .code(causes::BODY_KIND);
                 return Err(failure
-                    .hint("`sim.joint(name)`, `sim.contact(name)` and `sim.reaction(boundary)` tell what acts on it")
+                    .hint("`sim.joint(name)`, `sim.contact(name)` and `sim.reaction(boundary)` have the forces on it")
                     .into());
             }
             if direction == [0.0; 3] {

@@ -96,7 +96,8 @@ fn converted(call: &Call, unit: &Unit, convert: fn(&UnitSet, f64, &Unit) -> f64)
         // Angles are pure numbers in all sets of units.
         None if unit.dimension == Dimension::default() => UnitSet::si(),
         None => {
-            let failure = call.fail(format!("{} does not know the units of this script", call.function.title())).code("C1078");
+            let failure =
+                call.fail(format!("{} needs the units of this script, which are not declared", call.function.title())).code("C1078");
             let hint = "declare them at the top: `units(\"SI\")` for m, kg and s, `units(\"mm-N-t\")` for mm, N, t, s and MPa";
             return Err(failure.hint(hint).into());
         }
