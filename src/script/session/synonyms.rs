@@ -80,7 +80,7 @@ const MISSING: &[(&[&str], &str)] = &[
     (&["hourglass", "reduced integration"], "all cells are fully integrated: there is no hourglass mode to control"),
     (
         &["submodel", "global-local"],
-        "there are no submodels: `prescribe` moves the boundary of a finer model by a closure or a `table` with the results of a coarser one",
+        "there are no submodels: `prescribe` moves the boundary of a finer model by a closure or a `table` of results of a coarser one",
     ),
     (&["heat transfer", "temperature", "thermomechanical"], "there are no temperatures: `grow` expands a body by a constant factor"),
     (
