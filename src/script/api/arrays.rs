@@ -96,7 +96,7 @@ fn linspace() -> Function {
         name: "linspace",
         form: Form::Function,
         topic: Topic::Arrays,
-        summary: "so many numbers at equal distances, the first and the last one given",
+        summary: "numbers at equal distances between a first and a last one",
         parameters: vec![
             Parameter::number("first", "any", Interval::Finite, "the first number"),
             Parameter::number("last", "any", Interval::Finite, "the last number"),

@@ -64,15 +64,15 @@ impl Moves {
                 "in space the normal",
             ],
             Moves::Round => [
-                "the angle by which it has turned over time, counter-clockwise: about its center, which friction feels, or about another \
-                 point, as a cam does",
+                "the angle by which it has turned over time, counter-clockwise: about its center, which affects friction only, or about \
+                 another point, as a cam does",
                 "its center",
                 "",
             ],
             Moves::Polyline => ["the angle by which it has turned over time, counter-clockwise", "", ""],
             Moves::AboutAxis => [
-                "the angle by which it has turned over time, as a right-handed screw: about its own axis, which friction feels, or about \
-                 another one",
+                "the angle by which it has turned over time, as a right-handed screw: about its own axis, which affects friction only, or \
+                 about another one",
                 "a point of its own axis",
                 "its own axis",
             ],

@@ -187,7 +187,7 @@ fn rigid_surface() -> Function {
     shape(
         "rigid_surface",
         "a rigid surface of flat facets as the other side of a contact of bodies in space: from an STL or OBJ file or a mesh; \
-         bodies are where its facets look. Triangles that do not fit are mended where there is one way to do it, with a warning",
+         bodies are on the side that its facets face. Faults of triangles with a unique repair are repaired, with a warning",
         vec![
             Parameter::new("file", Kind::Text, "an `.stl` or `.obj` file, below the script's folder or a folder that `--allow-read` names")
                 .or(Absent::Means("a mesh is given")),

@@ -51,8 +51,7 @@ pub fn result() -> Function {
         name: "result",
         form: Form::Function,
         topic: Topic::Parameters,
-        summary: "notes what the script yields under a name: it stands in `summary.json`, and `conserva sweep` makes a column of its table \
-                  of it",
+        summary: "records a result of the script under a name: it is in `summary.json`, and a column of the table of `conserva sweep`",
         parameters: vec![
             Parameter::new(
                 "name",

@@ -58,7 +58,7 @@ fn uniaxial_path() -> Function {
         form: Form::Method(MaterialHandle::receiver()),
         topic: Topic::Materials,
         summary: "nominal stresses of a bar whose sides are free at stretches that it goes through one after the other, at rest: loading, \
-                  unloading and cycles of an elastic-plastic material; the way between two is taken in steps of a few percent",
+                  unloading and cycles of an elastic-plastic material; the path between two is divided into steps of a few percent",
         parameters: vec![Parameter::new("stretches", Kind::Array, "lengths over the undeformed length")],
         returns: "Array",
         example: "let steel = elastic_plastic(#{ youngs_modulus: 210e3, poisson_ratio: 0.3, density: 7.85e-9, yield_stress: 235.0 });\n\
@@ -110,7 +110,7 @@ fn check() -> Function {
         name: "check",
         form: Form::Method(MaterialHandle::receiver()),
         topic: Topic::Materials,
-        summary: "what is wrong with a material's law, an array of sentences, empty for a sound one: stress or energy at rest, \
+        summary: "the faults of a material's law, an array of sentences, empty for a sound law: stress or energy at rest, \
                   stiffness at rest that is not positive, ellipticity that is lost on the way to a stretch of 4 or 1/4 in uniaxial, \
                   equibiaxial and pure-shear tests",
         parameters: Vec::new(),
@@ -131,7 +131,7 @@ fn plot() -> Function {
     let keys = vec![
         Parameter::new("stretches", Kind::Array, "least and greatest stretch, around 1").or(Absent::Means("[0.5, 3]")),
         Parameter::new("title", Kind::Text, "the text above").or(Absent::Means("name of the law")),
-        Parameter::new("y_label", Kind::Text, "what the axis upwards says, with your unit").or(Absent::Text("nominal stress")),
+        Parameter::new("y_label", Kind::Text, "the label of the vertical axis, with your unit").or(Absent::Text("nominal stress")),
     ];
     Function {
         name: "plot",

@@ -23,14 +23,14 @@ pub fn friction_options() -> Vec<Parameter> {
             "radius",
             "length",
             Interval::Positive,
-            "the radius of the bearing or ball at which a hinge or `point` with `friction` rubs",
+            "the radius of the bearing or ball at which the friction of a hinge or `point` acts",
         )
         .or(Absent::Means("the joint does not turn, or has no `friction`")),
         Parameter::number(
             "preload",
             "force",
             Interval::NonNegative,
-            "the force that presses the rubbing surfaces together besides the reaction, as in a clamped bearing; with `friction`",
+            "the force that presses the sliding surfaces together in addition to the reaction, as in a clamped bearing; with `friction`",
         )
         .or(Absent::Number(0.0)),
         Parameter::number(

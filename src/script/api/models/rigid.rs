@@ -33,7 +33,7 @@ pub fn add_rigid_body() -> Function {
         summary: "adds a body that does not deform: its mass and inertia are those of its mesh, or given by numbers",
         parameters: vec![
             Parameter::new("name", Kind::Text, "its name, unique in the model"),
-            Parameter::new("mesh", Kind::Handle(MeshHandle::NAME), "its mesh at rest: what it looks like, and its surface"),
+            Parameter::new("mesh", Kind::Handle(MeshHandle::NAME), "its undeformed mesh: its shape in pictures, and its surface"),
             Parameter::new(
                 "options",
                 Kind::Options(vec![

@@ -162,7 +162,7 @@ fn joint() -> Function {
         name: "joint",
         form: Form::Method(SimulationHandle::receiver()),
         topic: Topic::Results,
-        summary: "what a joint exerts on the body that it holds (a mean over the last step), and where it is",
+        summary: "the action of a joint on the body `from` (a mean over the last step), and its position",
         parameters: vec![Parameter::new("name", Kind::Text, "its name")],
         returns: JointHandle::NAME,
         example: example("print(sim.joint(\"hinge\"));"),

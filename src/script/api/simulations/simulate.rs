@@ -66,7 +66,7 @@ fn simulate() -> Function {
                                 "tolerance",
                                 "1",
                                 Interval::Open(0.0, 1.0),
-                                "Newton's tolerance: the energy that the residual can still move, relative to the energy scale",
+                                "Newton's tolerance: the energy of the residual, relative to the energy scale",
                             )
                             .or(Absent::Number(NEWTON_ENERGY)),
                             Parameter::new(

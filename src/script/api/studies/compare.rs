@@ -27,7 +27,7 @@ pub fn compare() -> Function {
         name: "compare",
         form: Form::Function,
         topic: Topic::Studies,
-        summary: "how far two curves are apart where both are known, linear between their points: a map with the largest difference `max` \
+        summary: "the distance of two curves in their common range, linear between their points: a map with the largest difference `max` \
                   (its size, in the unit of y) and where it is, `at` (in that of x); `mean`, `mean_square` and `rms` of the difference \
                   over the range; `relative`, which is `rms` over that of the first curve; the range, `from` and `to`. Of two \
                   simulations all columns of their histories are compared over time: a map of such maps by their names",

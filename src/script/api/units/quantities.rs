@@ -43,7 +43,7 @@ fn quantity() -> Function {
         name: "quantity",
         form: Form::Function,
         topic: Topic::Numbers,
-        summary: "a quantity with its unit as a number in the units that the script has declared with `units`; angles need no declaration",
+        summary: "a quantity with a unit, converted to the units declared with `units`; angles need no declaration",
         parameters: vec![value_parameter("the number before the unit, or an array of numbers entry by entry"), unit_parameter()],
         returns: "number",
         example: "units(\"mm-N-t\");\nprint(quantity(210, \"GPa\")); // 210000\nprint(quantity(7850, \"kg/m^3\")); // 7.85e-9\n\
