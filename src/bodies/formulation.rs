@@ -52,7 +52,7 @@ pub enum FormulationError {
         law: &'static str,
     },
     /// Mean dilatation in plane stress, where the stretch across the plane would be determined by two conditions.
-    #[error("a dilatation of the cell does not go with plane stress, which leaves the volume free anyway")]
+    #[error("a dilatation of the cell cannot be combined with plane stress, in which the volume is free anyway")]
     MeanInPlaneStress,
     /// Linear dilatation in unsuitable cells, which would lock or leave the pressure undetermined.
     #[error("a linear dilatation is one of `quad9` or `hex27` cells, and these are `{cells}`")]

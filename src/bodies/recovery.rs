@@ -18,8 +18,9 @@ const GROWTHS: usize = 3;
 
 /// Factors of nearby cells in the recovered value at each node of a mesh.
 pub struct Recovery {
-    /// First entry of each node in the list `cells`, and the number of entries at the end.
+    /// First entry of each node in `cells`; at the end the number of entries.
     starts: Vec<usize>,
+    /// Cells of every node, with their weights.
     cells: Vec<(u32, f64)>,
 }
 

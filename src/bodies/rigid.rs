@@ -186,9 +186,11 @@ pub struct RigidMass {
     masses: Vec<Vec<f64>>,
     /// Nodes tied to the masters, each with its part of the mass.
     tied: Vec<(u32, f64)>,
-    /// Matrix blocks between masters, row by row, followed by those of the tied nodes; `columns`: matrix columns of all nodes.
+    /// Matrix blocks between masters, row by row.
     blocks: Vec<Block>,
+    /// Matrix blocks of the tied nodes.
     tied_blocks: Vec<Block>,
+    /// Matrix columns of all nodes.
     columns: Vec<Range<usize>>,
 }
 

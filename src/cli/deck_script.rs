@@ -6,8 +6,9 @@ use std::ops::RangeInclusive;
 
 use crate::mesh::{Deck, DeckBoundary};
 
-/// Densities of solids `[kg/m^3]`, and one t/mm^3.
+/// Densities of solids `[kg/m^3]`.
 const DENSITIES: RangeInclusive<f64> = 10.0..=25_000.0;
+/// Density of 1 t/mm^3 `[kg/m^3]`.
 const TONS: f64 = 1e12;
 
 /// Names that are not available for variables of the script.

@@ -21,13 +21,13 @@ pub struct Arguments {
     first: PathBuf,
     /// Folder of another run
     second: PathBuf,
-    /// Largest difference that counts as none, relative to the largest value of its kind (all energies are one kind, and so on)
+    /// Largest difference that counts as equal, relative to the largest value of its kind (all energies are one kind, and so on)
     #[arg(long, value_name = "REL", default_value_t = 0.0, value_parser = tolerance, allow_negative_numbers = true)]
     tolerance: f64,
     /// Leave out a column or field (`*` stands for anything: `--ignore "race.*"`); may be given several times
     #[arg(long, value_name = "NAME")]
     ignore: Vec<String>,
-    /// How it is written
+    /// Output format
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
 }
@@ -35,9 +35,9 @@ pub struct Arguments {
 /// Output format of a comparison.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Format {
-    /// For a terminal
+    /// Text for a terminal
     Text,
-    /// For programs
+    /// JSON for programs
     Json,
 }
 

@@ -14,10 +14,10 @@ use crate::script::{Class, Diagnostic, Reference, Session, Settings, Silent, mea
 pub struct Arguments {
     /// A function, method, word, topic or type, or the code of a message, such as C0504 [default: everything]
     name: Option<String>,
-    /// List everything whose text has these words
+    /// List all entries that contain these words
     #[arg(long, value_name = "TEXT", conflicts_with = "name")]
     search: Option<String>,
-    /// How it is written
+    /// Output format
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
 }
@@ -25,11 +25,11 @@ pub struct Arguments {
 /// Output format of the reference.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Format {
-    /// For a terminal
+    /// Text for a terminal
     Text,
-    /// As docs/reference.md
+    /// Markdown, like docs/reference.md
     Markdown,
-    /// For programs
+    /// JSON for programs
     Json,
     /// Definition file for the language server of Rhai (always everything)
     Definitions,

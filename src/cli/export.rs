@@ -17,10 +17,10 @@ use crate::script::{Class, Diagnostic};
 pub struct Arguments {
     /// Folder of a run
     folder: PathBuf,
-    /// What is written
+    /// Format to convert to
     #[arg(long, value_enum)]
     format: Format,
-    /// Folder that it is written into [default: the run's]
+    /// Output folder [default: the run's]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }

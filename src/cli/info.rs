@@ -30,7 +30,7 @@ use crate::studies::StudyFolder;
 pub struct Arguments {
     /// Folder of a run, one of its files, a mesh file or a script
     path: PathBuf,
-    /// How it is written
+    /// Output format
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
     /// Draw a mesh file with its boundaries in colors and their names into a PNG or SVG file

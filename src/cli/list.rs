@@ -16,10 +16,10 @@ use crate::script::{Class, Diagnostic};
 /// Arguments of `conserva list`.
 #[derive(Args)]
 pub struct Arguments {
-    /// Folder that is searched
+    /// Folder to search
     #[arg(value_name = "DIR", default_value = "out")]
     folder: PathBuf,
-    /// How it is written
+    /// Output format
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
 }

@@ -7,7 +7,7 @@ use crate::machine::memory;
 /// The option, of every command that runs scripts.
 #[derive(Args)]
 pub struct MemoryArguments {
-    /// Memory that the program may take (8GB, 500MB); what would need more is refused [default: what the machine has left]
+    /// Memory limit of the program (8GB, 500MB); computations that need more are refused [default: the free memory of the machine]
     #[arg(long, value_name = "SIZE", value_parser = size)]
     pub memory: Option<u64>,
 }

@@ -54,11 +54,11 @@ struct CommandLine {
 enum Command {
     /// Run a script and write its results
     Run(run::Arguments),
-    /// Go on with a run that was interrupted, to the same results
+    /// Continue an interrupted run, to the same results
     Resume(resume::Arguments),
-    /// Run a script for many values of its parameters, and make a table of what it yields
+    /// Run a script for many values of its parameters, and make a table of the results
     Sweep(Box<sweep::Arguments>),
-    /// Build a script's models and report what it would do and what is wrong; takes no step
+    /// Build a script's models, and report their faults and what a run would do; takes no step
     Check(check::Arguments),
     /// Run every function `test_…` of scripts, and scenarios as tests of their own checks
     Test(test::Arguments),
@@ -68,7 +68,7 @@ enum Command {
     New(new::Arguments),
     /// List the runs below a folder: parameters, outcome, steps, energy drift
     List(list::Arguments),
-    /// Describe a run or any of its files, a mesh file or a script
+    /// Describe a run, any of its files, a mesh file or a script
     Info(info::Arguments),
     /// Compare two runs: which columns and fields differ, from which step, by how much
     Diff(diff::Arguments),
@@ -76,11 +76,11 @@ enum Command {
     Report(report::Arguments),
     /// Convert a run's files to Parquet, CSV, plain VTU or XDMF
     Export(export::Arguments),
-    /// Try things out at a prompt, after running a script or not
+    /// Start a prompt, after running a script if one is given
     Repl(repl::Arguments),
     /// Serve an editor: messages while typing, completion, help, renaming (see docs/editor.md)
     Lsp(lsp::Arguments),
-    /// Write what a shell needs to complete commands and options
+    /// Write the completion script of a shell for commands and options
     Completions {
         /// The shell
         shell: clap_complete::Shell,

@@ -34,7 +34,7 @@ use crate::script::{Checkpoints, Class, Ink, Interactive, MAX_OPERATIONS, Mode, 
 pub struct Arguments {
     /// A script to run first
     script: Option<PathBuf>,
-    /// Value of a parameter that the script asks for with `param(name, default)`
+    /// Value of a parameter of the script (`param(name, default)`)
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = super::script_arguments::assignment)]
     overrides: Vec<(String, String)>,
     /// Let the session read files below this folder, too (it may read those below the script's, or the current one)

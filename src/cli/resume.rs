@@ -19,10 +19,10 @@ use crate::script::{Class, Diagnostic, Mode, Session, Settings, home, processors
 pub struct Arguments {
     /// Folder of the run's results, or one of the checkpoints in it
     run: PathBuf,
-    /// Stop at this time, as an interrupt does
+    /// Stop at this time of the simulation, like an interrupt
     #[arg(long, value_name = "TIME")]
     until: Option<f64>,
-    /// Go on even where another version of the program or another processor has begun: results may differ in their last digits
+    /// Continue even a run that another version of the program or another processor began: results may differ in the last digits
     #[arg(long)]
     anyway: bool,
     #[command(flatten)]

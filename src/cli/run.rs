@@ -30,7 +30,7 @@ pub struct Arguments {
     course: RunControlArguments,
 }
 
-/// How a run goes on, whatever it computes: what `run` and `resume` take.
+/// Common arguments of `run` and `resume`: threads, solver, output, checkpoints.
 #[derive(Args)]
 pub struct RunControlArguments {
     /// Threads of the element loop; results do not depend on it
@@ -41,14 +41,14 @@ pub struct RunControlArguments {
     /// No progress
     #[arg(long)]
     pub quiet: bool,
-    /// Tell programs what happens, one JSON object per line: to standard error in place of progress and messages (`json`), or to a file
+    /// Log events for programs, one JSON object per line: to standard error in place of progress and messages (`json`), or to a file
     /// besides them (`json:FILE`)
     #[arg(long, value_name = "json[:FILE]", value_parser = LogTarget::parse)]
     pub log: Option<LogTarget>,
-    /// How often a checkpoint is written to resume from: a number of steps (`100`), a time (`30s`, `5min`, `2h`), or `never`
+    /// Interval between checkpoints, from which `resume` continues: a number of steps (`100`), a time (`30s`, `5min`, `2h`), or `never`
     #[arg(long, value_name = "EVERY", default_value = "1min", value_parser = every)]
     pub checkpoint: Checkpoints,
-    /// Show the run while it goes on, as a page of this machine whose address is told at the start; at a port if one is given
+    /// Serve a page that follows the run, on this machine only; its address is printed at the start. A port may be given
     #[arg(long, value_name = "PORT", num_args = 0..=1, require_equals = true, default_missing_value = "0", value_parser = port)]
     pub watch: Option<u16>,
 }

@@ -7,12 +7,12 @@ use clap::Args;
 use super::memory::MemoryArguments;
 use crate::script::MAX_OPERATIONS;
 
-/// What every command that runs a script takes.
+/// Common arguments of all commands that run a script.
 #[derive(Args)]
 pub struct ScriptArguments {
     /// The script
     pub script: PathBuf,
-    /// Value of a parameter that the script asks for with `param(name, default)`
+    /// Value of a parameter of the script (`param(name, default)`)
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = assignment)]
     pub overrides: Vec<(String, String)>,
     /// Let the script read files below this folder, too (it may read those below its own)

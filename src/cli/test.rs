@@ -28,13 +28,13 @@ pub struct Arguments {
     /// Run only tests whose name (`file::function`) contains this text
     #[arg(long, value_name = "TEXT")]
     filter: Option<String>,
-    /// Name the tests and run none
+    /// List the tests without running any
     #[arg(long)]
     list: bool,
     /// Write the results as JUnit XML, too
     #[arg(long, value_name = "FILE")]
     junit: Option<PathBuf>,
-    /// Tests that run at a time [default: one for each processor]
+    /// Tests run at a time [default: one for each processor]
     #[arg(long, value_name = "N", value_parser = threads)]
     threads: Option<u16>,
     /// Let tests read files below this folder, too (each may read those below its own)

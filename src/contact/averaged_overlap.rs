@@ -5,8 +5,9 @@ use super::profile::{PairProfiles, Profile};
 use crate::elements::GAUSS;
 use crate::math::tolerances::FACING;
 
-/// Difference vectors: facet before, facet, facet after, and both primary nodes relative to `x_1`.
+/// Number of difference vectors: facet before, facet, facet after, and both primary nodes relative to `x_1`.
 pub(super) const DIFFERENCES: usize = 5;
+/// Number of components of the difference vectors.
 pub(super) const VARIABLES: usize = 2 * DIFFERENCES;
 
 /// Three Gauss points on `[-1, 1]` with weights, for straight facets.
@@ -60,11 +61,13 @@ pub(super) fn normal<T: Number>(own: Vector<T>, other: Vector<T>, has_other: boo
 
 /// Overlap of a secondary facet with a primary facet along the averaged normals.
 pub(super) struct AveragedOverlap<T> {
-    /// Secondary facet vector `x_2 - x_1`, and primary nodes relative to `x_1`.
+    /// Secondary facet vector `x_2 - x_1`.
     pub(super) t: Vector<T>,
+    /// Primary nodes relative to `x_1`.
     pub(super) y: [Vector<T>; 2],
-    /// Normal at the first secondary node, and its change `n_2 - n_1` along the facet.
+    /// Normal at the first secondary node.
     pub(super) normal: Vector<T>,
+    /// Change `n_2 - n_1` of the normal along the facet.
     pub(super) turn: Vector<T>,
     pub(super) length: T,
     /// Middle and half length of the overlap in the secondary coordinate `s`.
@@ -77,8 +80,9 @@ pub(super) struct Point<T> {
     /// Integration weight `[length]`.
     pub(super) measure: T,
     pub(super) shapes: Values<T>,
-    /// Averaged normal `n(s)`, not normalized, and distance of the opposite point along it, in units of `|n|`.
+    /// Averaged normal `n(s)`, not normalized.
     pub(super) normal: Vector<T>,
+    /// Distance of the opposite point along the normal, in units of `|n|`.
     pub(super) alpha: T,
     /// Coordinate of the opposite point on the primary facet, 0 to 1.
     pub(super) opposite: T,

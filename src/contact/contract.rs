@@ -13,8 +13,9 @@ use super::fixtures::{dense_rows, difference, evaluated, product, tangent_along,
 use super::{AveragedMortar, CandidateSearch, ContactKernel, Correction, Mortar, NodeToSegment, PatchFunctions, PredictedMotion};
 use crate::integrators::{Configuration, Derivative};
 
-/// Nodes 0 to 3 are the secondary chain, which faces down; nodes 4 to 8 the primary one, which faces up.
+/// Facets of the secondary chain, nodes 0 to 3, which faces down.
 const SECONDARY: [[u32; 2]; 3] = [[0, 1], [1, 2], [2, 3]];
+/// Facets of the primary chain, nodes 4 to 8, which faces up.
 const PRIMARY: [[u32; 2]; 4] = [[4, 5], [5, 6], [6, 7], [7, 8]];
 pub(super) const UNKNOWNS: usize = 18;
 

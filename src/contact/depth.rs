@@ -14,8 +14,9 @@ pub(super) struct NodePosition {
     pub(super) along: [f64; 2],
     /// End of the facet that is the closest point, if the closest point is an end.
     pub(super) end: Option<usize>,
-    /// Facet coordinate of the closest point, 0 to 1, and length of the facet `[length]`.
+    /// Facet coordinate of the closest point, 0 to 1.
     share: f64,
+    /// Length of the facet `[length]`.
     length: f64,
 }
 

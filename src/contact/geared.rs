@@ -48,8 +48,9 @@ struct Term {
     first: usize,
     /// Coefficient `a_i`: a length for an angle, a pure number for a displacement.
     factor: f64,
-    /// Whole turns, and remaining angle, at the start of the step.
+    /// Whole turns at the start of the step.
     turns: f64,
+    /// Angle beyond the whole turns at the start of the step `[rad]`.
     rest: f64,
 }
 

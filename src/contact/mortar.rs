@@ -36,7 +36,7 @@ pub static MORTAR: ContactMethod = ContactMethod {
 /// Mortar method with dual (biorthogonal) multiplier shape functions (Wohlmuth, SIAM J. Numer. Anal. 38, 2000).
 pub static DUAL_MORTAR: ContactMethod = ContactMethod {
     name: "dual_mortar",
-    summary: "mortar method with dual shape functions: each multiplier presses its own node and no other",
+    summary: "mortar method with dual shape functions: each multiplier loads its own node only",
     kernel: |secondary, primary, reference| Box::new(Mortar::new(secondary, primary, reference).with_dual_multipliers()),
     in_space: Some(MortarInSpace::dual_kernel),
     is_nodal: false,

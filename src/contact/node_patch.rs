@@ -14,10 +14,10 @@ pub struct PointStart {
     /// Participating nodes, as indices in the contact element: the point, and the nodes of admitted facets, of their neighbors and of the
     /// next neighbors.
     pub places: Vec<u32>,
-    /// Chain of the facets between the participating nodes, in indices of `places`. `closest`: true for facets that can be the closest
-    /// facet, all but the outermost neighbors, which only define corners. A neighbor may face away from the point and still be in front of
-    /// it around a sharp corner.
+    /// Chain of the facets between the participating nodes, in indices of `places`.
     pub chain: Chain,
+    /// True for facets that can be the closest facet: all but the outermost neighbors, which only define corners. A neighbor may face away
+    /// from the point and still be in front of it around a sharp corner.
     pub closest: Vec<bool>,
     /// Positions of the participating nodes at the start of the step.
     pub positions: Vec<f64>,

@@ -31,7 +31,8 @@ use crate::math::tolerances::SAME_WAY;
 /// Node-to-segment method: gap of each secondary node to the chain of primary facets, one multiplier per node.
 pub static NODE_TO_SEGMENT: ContactMethod = ContactMethod {
     name: "node_to_segment",
-    summary: "node-to-segment method: no secondary node enters the primary side; locks where both are polygons. In two passes: two \
+    summary: "node-to-segment method: no secondary node penetrates the primary side; locks where one polygon encloses another. In two \
+              passes: two \
               contacts with the sides swapped, both with `penalty` or `augmented_lagrange`",
     kernel: |secondary, primary, reference| Box::new(NodeToSegment::new(secondary, primary, reference)),
     in_space: Some(CornersInSpace::of_nodes),
@@ -50,8 +51,9 @@ const RIGID_CORNER: f64 = 0.999_998;
 /// surfaces, on which corner constraints would depend linearly.
 const OVERLAP_OF_SURFACES: f64 = 0.15;
 
-/// Smallest angle of a concave corner (pocket) in degrees; `POCKET_REACH`: largest distance of a node from its vertex, in shortest facets.
+/// Smallest angle of a concave corner (pocket), in degrees.
 const POCKET: f64 = 3.0;
+/// Largest distance of a node from the vertex of a pocket, in shortest facets.
 const POCKET_REACH: f64 = 0.25;
 
 /// Node-to-segment contact of two surfaces.

@@ -33,8 +33,9 @@ pub(super) struct OnCurves {
     homes: Combinations,
     /// Inner contact elements merged into each outer one.
     members: Vec<Vec<Member>>,
-    /// Coefficients of each inner node, and of each inner constraint, in the nodes and constraints of its outer contact element.
+    /// Coefficients of each inner node in the nodes of its outer contact element.
     patch_nodes: Combinations,
+    /// Coefficients of each inner constraint in the constraints of its outer contact element.
     patch_rows: Combinations,
     scratch: Mutex<Scratch>,
 }
@@ -43,8 +44,9 @@ pub(super) struct OnCurves {
 #[derive(Clone, Copy)]
 struct Member {
     patch: usize,
-    /// Index of the first inner node in [`OnCurves::patch_nodes`], and of the first inner constraint in [`OnCurves::patch_rows`].
+    /// Index of the first inner node in [`OnCurves::patch_nodes`].
     node: usize,
+    /// Index of the first inner constraint in [`OnCurves::patch_rows`].
     row: usize,
 }
 

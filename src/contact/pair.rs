@@ -63,16 +63,19 @@ pub type PerNode<T> = [T; 2];
 #[derive(Clone, Copy, Debug)]
 pub struct Overlap<'a> {
     pub(super) pi: Invariants,
-    /// Ends `a`, `b` of the overlap in the secondary coordinate; `moves`: true for each end that is at a primary node.
+    /// Ends `a`, `b` of the overlap in the secondary coordinate.
     pub(super) ends: [f64; 2],
+    /// True for each end of the overlap that is at a primary node.
     pub(super) moves: [bool; 2],
-    /// Length `b - a` of the overlap; shape functions at its middle; distance of its middle from that of the projected primary facet, in
-    /// units of `s`.
+    /// Length `b - a` of the overlap.
     pub(super) length: f64,
+    /// Shape functions at the middle of the overlap.
     middle: PerNode<f64>,
+    /// Distance of the middle of the overlap from that of the projected primary facet, in units of `s`.
     shift: f64,
-    /// Projected length `pi_2 - pi_3` of the primary facet, and its slope `pi_5 / (pi_2 - pi_3)` relative to the secondary facet.
+    /// Projected length `pi_2 - pi_3` of the primary facet.
     pub(super) extent: f64,
+    /// Slope `pi_5 / (pi_2 - pi_3)` of the primary facet relative to the secondary one.
     pub(super) slope: f64,
     /// Height profiles of both facets; `None` where both are straight.
     profiles: Option<&'a PairProfiles>,

@@ -70,7 +70,7 @@ pub(super) struct Functions<'a> {
     pub(super) end_value: PerNode<f64>,
     pub(super) end_gradient: &'a PerNode<Invariants>,
     pub(super) middle: &'a Option<Overlap<'a>>,
-    /// Multipliers of both constraints of the pair.
+    /// Multipliers of the normal constraints of both secondary nodes.
     pub(super) weights: PerNode<f64>,
     /// Round-off of the invariants `[length^2]`.
     pub(super) round_off: f64,
@@ -80,8 +80,9 @@ pub(super) struct Functions<'a> {
 pub(super) struct Differentiated {
     /// Algorithmic gradients of both functions.
     pub(super) bar: PerNode<Invariants>,
-    /// Sum of the algorithmic gradients weighted by the multipliers, and its derivative.
+    /// Sum of the algorithmic gradients weighted by the multipliers.
     pub(super) weighted_bar: Invariants,
+    /// Derivative of the weighted sum of the algorithmic gradients.
     pub(super) slope: [Invariants; 5],
 }
 

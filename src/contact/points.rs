@@ -64,8 +64,9 @@ pub type DrivenFunction = Box<dyn Fn(f64) -> PointFunction + Send + Sync>;
 /// Prescribed coordinate of a group's function.
 struct Drive {
     function: DrivenFunction,
-    /// Function for the coordinate at the start, and for that in the middle of the step.
+    /// Function for the coordinate at the start of the step.
     start: PointFunction,
+    /// Function for the coordinate in the middle of the step.
     middle: PointFunction,
 }
 

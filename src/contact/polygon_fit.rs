@@ -73,8 +73,9 @@ impl PolygonFit {
 /// Facet of a curve.
 struct Arc {
     from: [f64; 2],
-    /// Unit vector along the facet, and its length `[length]`.
+    /// Unit vector along the facet.
     along: [f64; 2],
+    /// Length of the facet `[length]`.
     length: f64,
     /// Mean angle to both adjacent facets, positive on a convex body.
     turn: f64,

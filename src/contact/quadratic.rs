@@ -34,8 +34,9 @@ use super::profile::{FacetCurves, Profile};
 use super::surface::{Sides, Surface};
 use crate::math::tolerances;
 
-/// Number of facets per half edge if edges of both sides are equally long; `MOST_PIECES`: largest number.
+/// Number of facets per half edge if edges of both sides are equally long.
 const PIECES: f64 = 2.0;
+/// Largest number of facets per half edge.
 const MOST_PIECES: f64 = 6.0;
 
 /// Additional area of a circular segment over a parabolic one with chord `l` and sagitta `h`: `A/(l h) = 2/3 + 8/15 (h/l)^2 + ...`.
@@ -203,11 +204,13 @@ struct Curves {
 struct Edge {
     middle: u32,
     ends: [u32; 2],
-    /// Chord, and offset of the mid-side node from the chord's middle `[length]`.
+    /// Chord `[length]`.
     chord: [f64; 2],
+    /// Offset of the mid-side node from the chord's middle `[length]`.
     offset: [f64; 2],
-    /// Shift of the mid-side node along the chord, and sagitta, in chord lengths.
+    /// Shift of the mid-side node along the chord, in chord lengths.
     shift: f64,
+    /// Sagitta in chord lengths.
     sagitta: f64,
     /// Number of facets, even.
     pieces: u32,

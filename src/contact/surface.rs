@@ -12,12 +12,15 @@ use super::patches::Patches;
 pub struct Surface {
     dimension: usize,
     nodes: Vec<u32>,
-    /// Nodes of all facets, facet by facet: model numbers, and indices in `nodes`.
+    /// Model numbers of the nodes of all facets, facet by facet.
     of_facets: Vec<u32>,
+    /// Indices in `nodes` of the nodes of all facets, facet by facet.
     local_of_facets: Vec<u32>,
-    /// Start of each facet's nodes in `of_facets`, and the end of the last one.
+    /// Start of each facet's nodes in `of_facets`; at the end their number.
     starts: Vec<usize>,
+    /// Start of each node's facets in `adjacent`; at the end their number.
     adjacent_start: Vec<u32>,
+    /// Facets at each node, node by node.
     adjacent: Vec<u32>,
 }
 

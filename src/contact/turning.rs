@@ -47,8 +47,9 @@ pub struct TurningContact {
     start: Vec<f64>,
 }
 
-/// Index of the start of the step, and of its end.
+/// Index of the start of the step.
 const START: usize = 0;
+/// Index of the end of the step.
 const END: usize = 1;
 
 impl TurningContact {

@@ -142,8 +142,9 @@ pub struct Window {
     thickness: [Vec<f64>; 2],
     /// Distance to which thickness has been measured on each side; larger values are infinite `[length]`.
     measured: [f64; 2],
-    /// Reference positions, and sizes of the facets `[length]`.
+    /// Reference positions `[length]`.
     reference: Vec<f64>,
+    /// Sizes of the facets `[length]`.
     lengths: [Vec<f64>; 2],
     facet_size: f64,
     /// Overlap up to which pairs take part in this search for equilibrium; 0 in motion `[length]`.

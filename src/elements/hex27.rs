@@ -47,7 +47,7 @@ const FACETS: [&[usize]; 6] = [
 
 pub(super) static ROW: CellRow = CellRow {
     name: "hex27",
-    summary: "triquadratic hexahedron with 27 nodes and 3 x 3 x 3 Gauss points: the most accurate, the dearest",
+    summary: "triquadratic hexahedron with 27 nodes and 3 x 3 x 3 Gauss points: the most accurate and most expensive",
     cell_shape: CellShape::Hexahedron,
     dimension: 3,
     nodes: 27,

@@ -11,7 +11,7 @@ const FACETS: [&[usize]; 4] = [&[0, 2, 1], &[0, 1, 3], &[1, 2, 3], &[2, 0, 3]];
 
 pub(super) static ROW: CellRow = CellRow {
     name: "tet4",
-    summary: "linear tetrahedron with 4 nodes and 1 point: stiff, for meshes that come so",
+    summary: "linear tetrahedron with 4 nodes and 1 point: stiff, for given meshes of this kind",
     cell_shape: CellShape::Tetrahedron,
     dimension: 3,
     nodes: 4,

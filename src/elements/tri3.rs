@@ -11,7 +11,7 @@ const FACETS: [&[usize]; 3] = [&[0, 1], &[1, 2], &[2, 0]];
 
 pub(super) static ROW: CellRow = CellRow {
     name: "tri3",
-    summary: "linear triangle with 3 nodes and 1 point: stiff, for meshes that come so",
+    summary: "linear triangle with 3 nodes and 1 point: stiff, for given meshes of this kind",
     cell_shape: CellShape::Triangle,
     dimension: 2,
     nodes: 3,

@@ -6,7 +6,7 @@ use super::scheme::{ConservedQuantities, Dissipation, LagWeights, LeadingError, 
 /// Backward Euler: conserves linear momentum exactly; energy and angular momentum decrease.
 pub static BACKWARD_EULER: Scheme = Scheme {
     name: "backward_euler",
-    summary: "backward Euler method, of first order: damps vibrations, the more the larger the step; keeps the linear momentum alone",
+    summary: "backward Euler method, of first order: damps vibrations, the more the larger the step; conserves the linear momentum only",
     derivative: Derivative::AT_END,
     remembers: &[],
     velocity: UpdateCoefficients { moved: 1.0, velocity: 0.0, acceleration: 0.0 },

@@ -34,7 +34,7 @@ const fn after(ratio: f64) -> Scheme {
     Scheme {
         name: "bdf2",
         summary: "backward differentiation formula of second order: damps fast vibrations within a few steps, and slow ones more than \
-                  `generalized_alpha`; keeps the linear momentum alone",
+                  `generalized_alpha`; conserves the linear momentum only",
         derivative: Derivative::AT_END,
         remembers: &[History::Acceleration, History::Force],
         velocity,
@@ -65,7 +65,7 @@ const LAST: Scheme = {
     Scheme {
         name: "tr_bdf2",
         summary: "trapezoidal rule and backward differentiation in one step (Bank et al. 1985), of second order: twice the work of a step, \
-                  and removes what vibrates faster than the steps at once; keeps the linear momentum alone",
+                  and removes what vibrates faster than the steps at once; conserves the linear momentum only",
         lag: LagWeights { used: row.lag.used, force: 0.5, inertia: 0.0, gamma: 1.0 },
         // Error of both stages together.
         error: LeadingError { first: 0.0, second: FRAC_1_SQRT_2 - 2.0 / 3.0 },

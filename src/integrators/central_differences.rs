@@ -19,7 +19,8 @@ pub const fn central_differences(lumping: Lumping) -> Scheme {
     Scheme {
         name: "central_differences",
         summary: "central differences (leapfrog), explicit, of second order: no equations are solved, so steps cost little and must be \
-                  shorter than 2 over the fastest angular frequency; mass at the nodes; keeps both momenta, and the energy within a bound",
+                  shorter than 2 over the fastest angular frequency; mass at the nodes; conserves linear and angular momentum, and the \
+                  energy within a bound",
         derivative: Derivative::AT_END,
         remembers: &[History::Force],
         // Velocity at which velocity-dependent forces are evaluated.

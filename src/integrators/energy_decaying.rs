@@ -25,8 +25,8 @@ pub const fn energy_decaying(spectral_radius: f64) -> Scheme {
     let chi = dissipation.strain;
     Scheme {
         name: "energy_decaying",
-        summary: "energy-momentum scheme that damps fast vibrations of bodies (after Armero and Romero 2001), of first order: both momenta \
-                  exact, rigid motions undamped, and the energy never grows, for every step size",
+        summary: "energy-momentum scheme that damps fast vibrations of bodies (after Armero and Romero 2001), of first order: linear and \
+                  angular momentum are exact, rigid motions undamped, and the energy never grows, for every step size",
         dissipation,
         parameters: Parameters { names: &["spectral_radius"], values: [spectral_radius, 0.0] },
         promises: ConservedQuantities { order: if chi > 0.0 { 1 } else { 2 }, ..ROW.promises },
@@ -43,7 +43,8 @@ pub static FAMILY: Family = Family {
     default: &ENERGY_DECAYING,
     parameters: &[Parameter {
         name: "spectral_radius",
-        summary: "what is left of the amplitude of a vibration much faster than a step after each: 1 does not damp, 0 removes it at once",
+        summary: "the factor by which a step reduces the amplitude of a vibration much faster than the steps: 1 does not damp, 0 removes \
+                  it at once",
         dimension: "1",
         range: Interval::Closed(0.0, 1.0),
         default: Some(0.8),

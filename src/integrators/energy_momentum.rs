@@ -10,7 +10,7 @@ pub static ENERGY_MOMENTUM: Scheme = ROW;
 /// Row of the energy-momentum scheme as a value, from which variants are made.
 pub(super) const ROW: Scheme = Scheme {
     name: "energy_momentum",
-    summary: "energy-momentum scheme: discrete gradients keep the energy and both momenta exactly, for every step size",
+    summary: "energy-momentum scheme: discrete gradients conserve energy, linear and angular momentum exactly, for every step size",
     derivative: Derivative::DiscreteGradient,
     remembers: &[],
     velocity: UpdateCoefficients { moved: 2.0, velocity: -1.0, acceleration: 0.0 },

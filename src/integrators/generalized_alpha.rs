@@ -50,21 +50,21 @@ const fn family(name: &'static str, summary: &'static str, parameters: Parameter
 /// Method of Hilber, Hughes and Taylor for an `alpha` from -1/3 to 0.
 pub const fn hht(alpha: f64) -> Scheme {
     let summary = "method of Hilber, Hughes and Taylor (1977), of second order: Newmark's, with forces shortly before the end of the step; \
-                   damps fast vibrations, slow ones hardly; keeps the linear momentum alone";
+                   damps fast vibrations, slow ones hardly; conserves the linear momentum only";
     family("hht", summary, Parameters { names: &["alpha"], values: [alpha, 0.0] }, 0.0, -alpha)
 }
 
 /// Method of Wood, Bossak and Zienkiewicz for an `alpha` from -1 to 0.
 pub const fn wbz(alpha: f64) -> Scheme {
     let summary = "method of Wood, Bossak and Zienkiewicz (1980), of second order: Newmark's, with inertia shortly after the end of the \
-                   step; damps fast vibrations, slow ones hardly; keeps the linear momentum alone";
+                   step; damps fast vibrations, slow ones hardly; conserves the linear momentum only";
     family("wbz", summary, Parameters { names: &["alpha"], values: [alpha, 0.0] }, alpha, 0.0)
 }
 
 /// Generalized-alpha method for a spectral radius from 0 to 1 in the limit of long steps.
 pub const fn generalized_alpha(spectral_radius: f64) -> Scheme {
     let summary = "generalized-alpha method (Chung and Hulbert 1993), of second order: of all with the same damping of the fastest \
-                   vibrations the one that damps slow ones least; keeps the linear momentum alone";
+                   vibrations the one that damps slow ones least; conserves the linear momentum only";
     let (rho, sum) = (spectral_radius, spectral_radius + 1.0);
     let parameters = Parameters { names: &["spectral_radius"], values: [rho, 0.0] };
     family("generalized_alpha", summary, parameters, (2.0 * rho - 1.0) / sum, rho / sum)
@@ -110,7 +110,8 @@ pub static GENERALIZED_ALPHA_FAMILY: Family = Family {
     default: &GENERALIZED_ALPHA,
     parameters: &[Parameter {
         name: "spectral_radius",
-        summary: "what is left of the amplitude of a vibration much faster than a step after each: 1 does not damp, 0 removes it at once",
+        summary: "the factor by which a step reduces the amplitude of a vibration much faster than the steps: 1 does not damp, 0 removes \
+                  it at once",
         dimension: "1",
         range: Interval::Closed(0.0, 1.0),
         default: Some(0.8),

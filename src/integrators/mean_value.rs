@@ -8,7 +8,7 @@ use super::scheme::Scheme;
 pub static MEAN_VALUE: Scheme = Scheme {
     name: "mean_value",
     summary: "energy-momentum scheme with mean-value discrete gradients: the stress of a step is the mean of those at two Gauss points in \
-              it; energy and both momenta stay exact",
+              it; energy, linear and angular momentum are exact",
     averages_stress: true,
     ..ROW
 };

@@ -6,7 +6,7 @@ use super::scheme::{ConservedQuantities, Dissipation, LagWeights, LeadingError, 
 /// Midpoint rule: conserves linear and angular momentum exactly, but not energy.
 pub static MIDPOINT: Scheme = Scheme {
     name: "midpoint",
-    summary: "implicit midpoint rule: keeps both momenta, but not the energy",
+    summary: "implicit midpoint rule: conserves linear and angular momentum, but not the energy",
     derivative: Derivative::Gradient(Configuration::Middle),
     remembers: &[],
     velocity: UpdateCoefficients { moved: 2.0, velocity: -1.0, acceleration: 0.0 },

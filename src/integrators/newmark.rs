@@ -32,7 +32,7 @@ pub const fn newmark(beta: f64, gamma: f64) -> Scheme {
     Scheme {
         name: "newmark",
         summary: "Newmark's method, of second order for `gamma` = 0.5 and of first order beyond, where it damps fast vibrations; no \
-                  vibration grows, whatever the step, for 2 `beta` >= `gamma` >= 0.5; keeps the linear momentum alone",
+                  vibration grows, whatever the step, for 2 `beta` >= `gamma` >= 0.5; conserves the linear momentum only",
         derivative: Derivative::AT_END,
         remembers: if gamma < 1.0 { &[History::Acceleration, History::Force] } else { &[History::Acceleration] },
         velocity,

@@ -6,8 +6,8 @@ use super::scheme::{ConservedQuantities, LeadingError, Scheme, StepKind};
 /// Statics: equilibria along the loads. The coefficients are those of backward Euler and are unused.
 pub static STATICS: Scheme = Scheme {
     name: "statics",
-    summary: "statics, each step to the equilibrium at its end, without inertia; loads, prescribed motions and obstacles take the way \
-              of their functions of time, and so does friction; viscosity, dampers and drag do nothing",
+    summary: "statics, each step to the equilibrium at its end, without inertia; loads, prescribed motions and obstacles follow their \
+              functions of time, and friction depends on this path; viscosity, dampers and drag have no effect",
     step: StepKind::Equilibria,
     promises: ConservedQuantities { energy: false, momentum: false, angular_momentum: false, order: 1 },
     error: LeadingError { first: 0.0, second: 0.0 },

@@ -22,8 +22,8 @@ static STAGES: [(f64, Scheme); 3] = [(OUTER, STAGE), (1.0 - 2.0 * OUTER, STAGE),
 
 const STAGE: Scheme = Scheme {
     name: "triple_jump",
-    summary: "energy-momentum scheme in three stages, the middle one back in time, of fourth order: keeps the energy and both momenta, for \
-              smooth motions that are wanted to many digits; nothing may damp",
+    summary: "energy-momentum scheme in three stages, the middle one back in time, of fourth order: conserves energy, linear and angular \
+              momentum, for smooth motions with high accuracy; the model must not dissipate energy",
     promises: ConservedQuantities { order: 4, ..ROW.promises },
     // Leading errors of the composition have a higher order.
     error: LeadingError { first: 0.0, second: 0.0 },

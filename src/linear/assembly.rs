@@ -80,9 +80,11 @@ pub(super) struct Received<'a> {
     /// Stack locations of the update matrices of all fronts that are not yet assembled into their parents.
     pub(super) places: &'a [(UpdateLocation, usize)],
     pub(super) children: &'a [u32],
-    /// Update matrices on the stacks, from index `start` of the buffer on; `handed`: those handed over by other tasks.
+    /// Update matrices on the stacks, from index `start` of the buffer on.
     pub(super) waiting: &'a [f64],
+    /// Index of the buffer at which `waiting` begins.
     pub(super) start: usize,
+    /// Update matrices handed over by other tasks.
     pub(super) handed: &'a [f64],
 }
 

@@ -44,8 +44,9 @@ const COME_BACK: usize = 4;
 const REVIEW: usize = 50;
 
 /// Time of an operation of a substitution relative to one of a factorization, taken smaller than it is (2.5), because a factorization
-/// discards the substitutions before it; and the least number of substitutions that are preferred to a factorization.
+/// discards the substitutions before it.
 const SLOWER: f64 = 1.5;
+/// Least number of substitutions that are preferred to a factorization.
 pub(super) const SUBSTITUTIONS: usize = 64;
 
 /// Factorization of a sequence of matrices: the order of elimination is kept while it is good, the structure while the pattern is
@@ -68,8 +69,9 @@ pub struct Factorization {
     pub(super) fallback: Option<Box<PartialPivoting>>,
     /// True if the fallback has factorized the last matrix and must solve.
     pub(super) fallen_back: bool,
-    /// Scales of the vertices, and of the unknowns.
+    /// Scales of the vertices.
     vertex_scale: Vec<f64>,
+    /// Scales of the unknowns.
     pub(super) scale: Vec<f64>,
     pub(super) solution: Vec<f64>,
     pub(super) residual: Vec<f64>,

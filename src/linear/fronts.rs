@@ -23,14 +23,16 @@ pub(super) struct Front {
     pub(super) factors: usize,
     /// Range of the front's non-pivot unknowns in `rows`.
     pub(super) rows: Range<usize>,
-    /// Ranges in `runs` with the positions of the non-pivot unknowns in the parent's front: among its pivots, and among its other unknowns.
+    /// Range in `runs` with the positions of non-pivot unknowns among the pivots of the parent's front.
     pub(super) to_pivots: Range<usize>,
+    /// Range in `runs` with the positions of non-pivot unknowns among the other unknowns of the parent's front.
     pub(super) to_others: Range<usize>,
     pub(super) parent: Option<u32>,
     /// Range of the child fronts, whose update matrices are added to this front, in ascending order.
     pub(super) children: Range<usize>,
-    /// Ranges of the matrix blocks inside the pivot block, and of those beside it.
+    /// Range of the matrix blocks inside the pivot block.
     pub(super) inside: Range<usize>,
+    /// Range of the matrix blocks beside the pivot block.
     pub(super) beside: Range<usize>,
 }
 
@@ -71,8 +73,9 @@ pub(super) struct OffDiagonalBlock {
     pub(super) upper: Block,
     /// Position of the first entry of both blocks; the right one is stored transposed.
     pub(super) target: u32,
-    /// Vertex among the pivots, and the other vertex.
+    /// Vertex among the pivots.
     pub(super) pivot: u32,
+    /// Vertex outside the pivots.
     pub(super) other: u32,
 }
 

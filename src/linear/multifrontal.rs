@@ -47,8 +47,9 @@ pub(super) struct Multifrontal {
     scratch: Vec<Mutex<Scratch>>,
     /// Positions in the order of elimination whose pivots were replaced.
     replaced: Vec<u32>,
-    /// Vectors in the order of elimination; `outside`: components exchanged between subtrees and the fronts above.
+    /// Vectors in the order of elimination.
     ordered: Vec<f64>,
+    /// Components exchanged between subtrees and the fronts above.
     outside: Vec<f64>,
 }
 

@@ -38,14 +38,17 @@ pub(super) struct Blocks<'a> {
 /// Buffers for copies of frequently read factors.
 #[derive(Debug, Default)]
 pub(super) struct Scratch {
-    /// Four columns of the upper factor above each diagonal 4 x 4 block, stored by rows; likewise four rows of the lower factor.
+    /// Four columns of the upper factor above each diagonal 4 x 4 block, stored by rows.
     pub(super) upper_rows: Vec<[f64; WIDTH]>,
+    /// Four rows of the lower factor beside each diagonal 4 x 4 block.
     pub(super) lower_rows: Vec<[f64; WIDTH]>,
-    /// Strips of a block of pivots: rows below and columns to the right of the pivot block; `below` and `right`: rows and columns inside of
-    /// the pivot block.
+    /// Strips of the rows below the pivot block.
     pub(super) lower: Vec<f64>,
+    /// Strips of the columns to the right of the pivot block.
     pub(super) upper: Vec<f64>,
+    /// Strips of the rows inside the pivot block.
     pub(super) below: Vec<f64>,
+    /// Strips of the columns inside the pivot block.
     pub(super) right: Vec<f64>,
 }
 

@@ -24,8 +24,9 @@ struct Finder<'a> {
     updates: Updates,
     /// Position of each vertex of the pattern in the order of elimination.
     place_in_order: Vec<u32>,
-    /// For every vertex `v` and each of its neighbors `u`, the block in row `v` and column `u`; `entry_starts`: first entry of each vertex.
+    /// Block in row `v` and column `u`, for every vertex `v` and each of its neighbors `u`.
     mirrored: Vec<Block>,
+    /// First entry of each vertex.
     entry_starts: Vec<usize>,
     /// Position of each vertex in the present front.
     local: Vec<u32>,

@@ -72,9 +72,11 @@ pub(super) fn substitute_four<'r, S: Simd>(
 pub(super) struct SolveStrip<'a, const UNIT: bool> {
     pub(super) source: &'a [f64],
     pub(super) stride: usize,
-    /// Diagonal block, whose columns have length `p`; `depth`: its size.
+    /// Diagonal block, whose columns have length `p`.
     pub(super) diagonal: &'a [f64],
+    /// Length of a column of the diagonal block.
     pub(super) p: usize,
+    /// Size of the diagonal block.
     pub(super) depth: usize,
     pub(super) rows: &'a [[f64; WIDTH]],
     pub(super) out: &'a mut [f64],
@@ -99,14 +101,16 @@ impl<const UNIT: bool> WithSimd for SolveStrip<'_, UNIT> {
 
 /// Subtracts the product of row strips and column strips from some columns, below row `first`.
 pub(super) struct SubtractProducts<'a> {
-    /// All row strips, and the strips of the columns to be updated.
+    /// All row strips.
     pub(super) rows: &'a [f64],
+    /// Strips of the columns to be updated.
     pub(super) right: &'a [f64],
     pub(super) columns: &'a mut [f64],
     pub(super) stride: usize,
     pub(super) first: usize,
-    /// Length of a row of a strip, and the number of its nonzero leading entries.
+    /// Length of a row of a strip.
     pub(super) depth: usize,
+    /// Number of nonzero leading entries of a row of a strip.
     pub(super) count: usize,
 }
 
@@ -170,8 +174,9 @@ impl WithSimd for SolvePanel<'_> {
 
 /// Updates a few columns of the pivot block by the factored panel to their left.
 pub(super) struct UpdatePanel<'a> {
-    /// Columns of the panel, and its rows from `to` on in strips.
+    /// Columns of the panel.
     pub(super) left: &'a [f64],
+    /// Rows of the panel from `to` on, in strips.
     pub(super) strips: &'a [f64],
     pub(super) columns: &'a mut [f64],
     pub(super) p: usize,

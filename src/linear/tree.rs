@@ -20,13 +20,15 @@ pub(super) struct Tree {
     pub(super) roots: Vec<u32>,
     pub(super) first_kid: Vec<u32>,
     pub(super) next_kid: Vec<u32>,
-    /// First vertex of each front, and the next vertex of the front after each vertex.
+    /// First vertex of each front.
     pub(super) head: Vec<u32>,
+    /// Next vertex of the front, for each vertex.
     pub(super) next: Vec<u32>,
     /// Number of non-pivot unknowns of each front.
     pub(super) update: Vec<u32>,
-    /// Non-pivot vertices of the fronts, listed by vertex; `starts`: first entry of each vertex.
+    /// Non-pivot vertices of the fronts, listed by vertex.
     pub(super) structure: Vec<u32>,
+    /// First entry of each vertex in `structure`.
     pub(super) starts: Vec<u32>,
 }
 

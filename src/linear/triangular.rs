@@ -8,7 +8,7 @@ use pulp::Simd;
 
 use super::tiles::{WIDTH, four};
 
-/// One vector at a front: its pivots, and its other numbers.
+/// Entries of one vector at a front: those of its pivots, and those of its other unknowns.
 type AtFront<'a> = (&'a mut [f64], &'a mut [f64]);
 
 /// Evaluates `$body` for each pair of vectors and for a last single one, inline: in a closure the compiler might not use wide registers.

@@ -29,9 +29,11 @@ pub(super) enum UpdateLocation {
 pub(super) struct UpdateStack {
     /// Stack and first position of each front's update matrix.
     pub(super) places: Vec<(UpdateLocation, usize)>,
-    /// Buffer lengths: for fronts outside of tasks, for one task, and for the update matrices handed over by tasks.
+    /// Buffer length for fronts outside of tasks.
     pub(super) buffer: usize,
+    /// Buffer length for the fronts of one task.
     pub(super) of_task: usize,
+    /// Buffer length for the update matrices handed over by tasks.
     pub(super) handed: usize,
 }
 

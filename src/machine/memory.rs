@@ -99,7 +99,7 @@ fn address_space() -> Option<u64> {
     Some(most.saturating_sub(kilobytes("/proc/self/status", "VmSize:")?))
 }
 
-/// Bytes left in the control group (version 2) of this process and in the groups around it.
+/// Bytes left in the control group (version 2) of this process and in its parent groups.
 fn container() -> Option<u64> {
     let groups = std::fs::read_to_string("/proc/self/cgroup").ok()?;
     let path = groups.lines().find_map(|line| line.strip_prefix("0::"))?;

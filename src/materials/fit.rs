@@ -41,7 +41,7 @@ pub enum FitError {
     #[error(transparent)]
     Energy(#[from] EnergyError),
     /// Fewer points than constants.
-    #[error("{points} points cannot tell {constants} constants")]
+    #[error("{points} points cannot determine {constants} constants")]
     Points {
         /// Number of points in the tests.
         points: usize,
@@ -66,8 +66,9 @@ impl FitError {
 
 /// Start values of constants on which stresses depend nonlinearly: powers, and limits of `I1 - 3`.
 const STARTS: [f64; 8] = [-2.0, 0.5, 1.5, 3.0, 5.0, 9.0, 30.0, 90.0];
-/// Number of start points tried, and number of the best of these from which the search continues.
+/// Number of start points tried.
 const TRIED: usize = 512;
+/// Number of the best start points from which the search continues.
 const FOLLOWED: usize = 6;
 /// Largest number of Gauss-Newton steps from one start point.
 const STEPS: usize = 200;

@@ -60,8 +60,9 @@ pub struct Homogeneous {
     strain: [f64; 6],
 }
 
-/// Largest number of iterations from one stretch to the next, and of halvings of this interval.
+/// Largest number of iterations from one stretch to the next.
 const ITERATIONS: usize = 30;
+/// Largest number of halvings of the interval between two stretches.
 const HALVINGS: u32 = 12;
 
 /// States of a test piece at successive stretches, up to the first one without a solution. Paths of elastic laws lead away from stretch 1.

@@ -48,8 +48,9 @@ impl std::fmt::Display for Weakness {
     }
 }
 
-/// Largest stretch that is checked; the smallest is its inverse. `STEP` is the ratio of successive stretches.
+/// Largest stretch that is checked; the smallest is its inverse.
 const REACH: f64 = 4.0;
+/// Ratio of successive stretches.
 const STEP: f64 = 1.02;
 /// Number of bisections of a step, which give the stretch to three digits.
 const BISECTIONS: usize = 8;

@@ -13,8 +13,9 @@ use std::ops::Range;
 /// longer than it saves: 2000 cells of four nodes, 500 of eight. The order of summation is the same.
 pub const LEAST_WORK_FOR_THREADS: usize = 32_000;
 
-/// Smallest number of cells per run, for efficient threads; `MOST_RUNS`: largest number of runs of a body.
+/// Smallest number of cells per run, for efficient threads.
 const LEAST_CELLS: usize = 128;
+/// Largest number of runs of a body.
 const MOST_RUNS: usize = 16;
 
 /// Consecutive cells of a body, computed by one thread.

@@ -107,7 +107,8 @@ pub fn channel_filter(values: &[f64], dt: f64, class: f64) -> Vec<f64> {
     signal[margin..margin + n].to_vec()
 }
 
-/// Cut-off frequency of each filter pass over the channel frequency class: both passes together attenuate by 3 dB at 1.65 times the class.
+/// Cut-off frequency of each filter pass relative to the channel frequency class: both passes together attenuate by 3 dB at 1.65 times the
+/// class.
 const RATIO: f64 = 2.0775;
 
 /// Length of the continuation of a signal beyond each end, in periods of the class frequency.

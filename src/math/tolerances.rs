@@ -137,8 +137,8 @@ pub const POSITION: f64 = 4e-16;
 /// function is round-off, only larger remainders, which kinks cause, are corrected.
 pub const REMAINDER: f64 = 4e-15;
 
-/// Curvature of an obstacle's distance along an edge, as the deviation from a linear function over the edge length, below which no interior
-/// point of the edge is deepest: the edge is parallel to a cylinder or cone, and constraints at its end nodes suffice.
+/// Curvature of an obstacle's distance along an edge, as the deviation from a linear function relative to the edge length, below which no
+/// interior point of the edge is deepest: the edge is parallel to a cylinder or cone, and constraints at its end nodes suffice.
 pub const LIES_ALONG: f64 = 1e-6;
 
 /// Distance of a primary from a secondary node, in secondary facets, within which they count as aligned: a thousand times the distance due
@@ -340,7 +340,8 @@ pub const NOTHING: f64 = 1e-290;
 /// Share of a plot's range by which a value may lie outside it and is still drawn: round-off of the range.
 pub const PLOT_END: f64 = 1e-9;
 
-/// Height of a point over the plane of a section, over the largest one, below which it lies in the plane: round-off of a symmetry plane.
+/// Height of a point above the plane of a section, relative to the largest one, below which it lies in the plane: round-off of a symmetry
+/// plane.
 pub const ON_SECTION: f64 = 1e-9;
 
 /// Least side of a picture's bounds relative to the longest side, for bodies without thickness.

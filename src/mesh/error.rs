@@ -282,7 +282,7 @@ pub enum MeshError {
         degrees: f64,
     },
     /// A twist, scale or grading along a closed path, whose last section must equal its first one.
-    #[error("the way closes, so its end must be as its start: without twist, scale and grading")]
+    #[error("the path is closed, so the section at its end must equal that at its start: without twist, scale and grading")]
     ClosedChange,
     /// Two meshes for a loft whose cells do not name the same nodes.
     #[error("the cells of the two meshes do not name the same nodes: {first}, and {second}")]

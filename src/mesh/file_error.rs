@@ -97,7 +97,7 @@ pub enum FileProblem {
         section: &'static str,
     },
     /// A section that occurs twice.
-    #[error("section {section} is there a second time")]
+    #[error("section {section} occurs a second time")]
     RepeatedSection {
         /// Name of the section.
         section: String,
@@ -135,7 +135,7 @@ pub enum FileProblem {
         reason: String,
     },
     /// Two nodes with one number.
-    #[error("node {node} is there twice, first {first}")]
+    #[error("node {node} occurs twice, first {first}")]
     DuplicateNode {
         /// Number of the node in the file.
         node: u64,
@@ -143,7 +143,7 @@ pub enum FileProblem {
         first: FilePosition,
     },
     /// Two elements with one number.
-    #[error("element {element} is there twice, first {first}")]
+    #[error("element {element} occurs twice, first {first}")]
     DuplicateElement {
         /// Number of the element in the file.
         element: u64,

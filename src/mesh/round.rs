@@ -106,7 +106,8 @@ pub fn arc(radii: [f64; 2], angles: [f64; 2], cells: [usize; 2], center: [f64; 2
     Mesh { boundaries, ..Mesh::new(CellKind::Quad4, points, connectivity) }.checked()
 }
 
-/// Distance of the corners of a disk's square core from its center, over the radius: angles of the cells there stay near 120 degrees.
+/// Distance of the corners of a disk's square core from its center, relative to the radius: angles of the cells there stay near 120
+/// degrees.
 const CORE: f64 = 0.55;
 
 /// A disk of quad4 cells around `center` `[length]`: a square core in a ring of `cells[0]` layers with `cells[1]` cells around; boundary

@@ -77,7 +77,8 @@ pub fn hollow_sphere(radii: [f64; 2], cells: [usize; 2], center: [f64; 3], gradi
 
 /// A block of hex8 cells whose edges and corners are rounded with `radius` `[length]`, `size` and `origin` (its corner of least
 /// coordinates, which is rounded off) `[length]`: `cells` along the flat sides, `around[0]` layers below the surface and `around[1]` cells
-/// across each edge. Boundaries `left right bottom top back front` are the flat sides as of a [`block`], `edges` all that is round.
+/// across each edge. Boundaries `left right bottom top back front` are the flat sides as of a [`block`], `edges` the rounded edges and
+/// corners.
 ///
 /// # Errors
 /// Lengths that are not positive, a radius of half the least size or more, counts of 0, an odd number of cells across the edges, numbers
@@ -119,9 +120,10 @@ pub fn rounded_block(size: [f64; 3], radius: f64, cells: [usize; 3], around: [us
     mesh.translate(origin)
 }
 
-/// Shape of the core of a sphere: `CORE` is the distance of the centers of its sides from the sphere's center, over the radius; `BULGE`
-/// blends between a cube (0) and a sphere (1). The scaled Jacobian is at least 0.68 for every number of cells, near the optimum of both.
+/// Distance of the centers of the core's sides from the sphere's center, relative to the radius. With [`BULGE`], the scaled Jacobian is at
+/// least 0.68 for every number of cells, near the optimum of both.
 const CORE: f64 = 0.45;
+/// Blend of the shape of a sphere's core between a cube (0) and a sphere (1).
 const BULGE: f64 = 0.6;
 
 /// Grid line with the base `b` and the slope `t` of the module description.
@@ -153,7 +155,7 @@ struct GridFacet {
     /// Name of the grid side that contains the facet.
     name: String,
     nodes: Vec<u32>,
-    /// Slopes of the three grid lines at each node of the facet.
+    /// Slopes of the grid lines in the three directions, for each node of the facet.
     slopes: Vec<[f64; 3]>,
 }
 
@@ -168,7 +170,7 @@ struct Grown {
 
 impl Grown {
     /// Constructs the layers: with a core, `places` are fractions of the distance from the core to the surface, without a core distances
-    /// from the bases over the radius.
+    /// from the bases relative to the radius.
     fn new(lines: [&[Line]; 3], core: Option<f64>, radius: f64, places: &[f64]) -> Result<Grown, MeshError> {
         let counts = lines.map(|line| line.len() - 1);
         let layers = places.len() - 1;

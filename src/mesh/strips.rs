@@ -20,7 +20,7 @@ pub(super) struct Strip {
     pub columns: Vec<Vec<Point>>,
     /// Role of each column node in the mesh of the remaining region.
     pub nodes: Vec<Vec<Node>>,
-    /// Curve segment at the foot of each stack.
+    /// Curve segment under each stack (the cells between two neighboring columns).
     pub pieces: Vec<CurveSegment>,
     /// Curve that the first and the last column run along, with the curve parameters of their points; `None` for a column inside the body.
     pub along: [Option<(usize, Vec<f64>)>; 2],
@@ -51,7 +51,7 @@ pub(super) enum Node {
 pub(super) enum Source {
     /// On a rim segment of the remaining region.
     Piece(usize),
-    /// At the foot of a stack of a strip.
+    /// On the boundary side of a stack (the cells between two neighboring columns): indices of strip and stack.
     Stack(usize, usize),
     /// Along the first column of a strip, from its inner end on.
     Start(usize),
@@ -66,7 +66,7 @@ pub(super) struct Order {
     pub source: Source,
 }
 
-/// Side of a stack on which facets of a boundary lie: its foot, or its left or right column.
+/// Side of a stack of cells on which facets of a boundary lie: on the curve (foot), or along the left or right column.
 #[derive(Clone, Copy)]
 enum StackSide {
     Foot,

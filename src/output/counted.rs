@@ -143,7 +143,7 @@ pub struct Counted {
 
 #[derive(Debug, Default)]
 struct Known {
-    /// Files at present.
+    /// Files in the folder of the run, by name.
     present: BTreeMap<String, CountedFile>,
     /// Files named by the kept checkpoints, the newest checkpoint last.
     promised: VecDeque<Vec<CountedFile>>,

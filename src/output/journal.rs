@@ -142,8 +142,9 @@ pub struct JournalWriter {
     sum: Hasher,
     /// Position reached in the file.
     mark: Mark,
-    /// Buffered entries, and the number of events among them.
+    /// Buffered entries.
     waiting: Vec<u8>,
+    /// Number of events among the buffered entries.
     events: u64,
 }
 

@@ -15,11 +15,13 @@ const INK: Color = [34; 3];
 /// Sizes of text in pixels: readable where the picture is shown at half of its size.
 const TITLE: f64 = 20.0;
 const TEXT: f64 = 17.0;
-/// Margin, and length of a sample in the legend, in pixels.
+/// Margin in pixels.
 const MARGIN: f64 = 12.0;
+/// Length of a sample in the legend, in pixels.
 const SAMPLE: f64 = 26.0;
-/// Radius of a marker in pixels, and its number of corners.
+/// Radius of a marker in pixels.
 const MARKER: f64 = 3.5;
+/// Number of corners of a round marker.
 const ROUND: usize = 12;
 /// Least height of the axes in pixels.
 const LEAST: f64 = 100.0;

@@ -25,8 +25,9 @@ use crate::mesh::Mesh;
 
 /// Default of the largest number of stills.
 const STILLS: usize = 160;
-/// Default of the memory for stills `[bytes]`, and the number of stills that is allowed beyond.
+/// Default of the memory for stills `[bytes]`.
 const BYTES: usize = 24 << 20;
+/// Least number of stills, also if they exceed [`BYTES`].
 const FEWEST: usize = 40;
 /// Largest initial spacing.
 const FORESIGHT: usize = 4;

@@ -22,12 +22,15 @@ pub struct Response {
     pub points: Vec<[f64; 3]>,
 }
 
-/// Space for the color bar at the right, width of the bar, and size of its text, in pixels.
+/// Space for the color bar at the right, in pixels.
 const SCALE: f64 = 110.0;
+/// Width of the color bar in pixels.
 const BAR: f64 = 18.0;
+/// Size of the color bar's text in pixels.
 const TEXT: f64 = 15.0;
-/// Radius of a marker in pixels, and its number of corners.
+/// Radius of a marker in pixels.
 const MARKER: f64 = 7.0;
+/// Number of corners of a round marker.
 const ROUND: usize = 16;
 /// Number of boxes of the color bar.
 const STEPS: usize = 64;

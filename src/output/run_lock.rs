@@ -13,8 +13,9 @@ use crate::machine::files::read;
 
 /// Name of the file.
 const NAME: &str = ".lock";
-/// Number of attempts to take a lock, and the time between them: a process that only inspects the lock holds it for a moment.
+/// Number of attempts to take a lock: a process that only inspects the lock holds it for a moment.
 const ATTEMPTS: usize = 4;
+/// Time between two attempts to take a lock.
 const MOMENT: Duration = Duration::from_millis(10);
 
 /// Right to write into the folder of a run, until dropped.

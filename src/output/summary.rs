@@ -123,7 +123,7 @@ pub const KEYS: &[(&str, &str)] = &[
     ),
     (
         "findings",
-        "an array of what the run is warned of, each with `kind`, `contact` (or null), `value` and its `limit`, the `step` and its `time`, \
+        "an array of the findings of the run, each with `kind`, `contact` (or null), `value` and its `limit`, the `step` and its `time`, \
          and a `message`",
     ),
     (

@@ -29,8 +29,9 @@ const RECORD: &str = "point.json";
 const CLAIM: &str = ".claim";
 const LOCK: &str = ".lock";
 
-/// Number of attempts to take a lock, and the time between them.
+/// Number of attempts to take a lock.
 const ATTEMPTS: usize = 4;
+/// Time between two attempts to take a lock.
 const MOMENT: Duration = Duration::from_millis(10);
 
 /// The folder of a study.

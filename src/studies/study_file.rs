@@ -83,7 +83,7 @@ impl StudyFile {
         let one = |(name, value): (&String, &toml::Value)| {
             let text = plain(value).ok_or_else(|| {
                 let refused = refusal(format!("the value of `{name}` in the study file"));
-                Box::new(refused.cause("a number, a text or a truth value is wanted").hint(EXAMPLE))
+                Box::new(refused.cause("a number, a text or a truth value is expected").hint(EXAMPLE))
             })?;
             Ok((name.clone(), text))
         };

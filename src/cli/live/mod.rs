@@ -41,7 +41,7 @@ impl LivePage {
         let listener = server::open(port).map_err(|error| refused(format!("port {port} of this machine: {error}")))?;
         let port = listener.local_addr().map_err(|error| refused(error.to_string()))?.port();
         let mut bytes = [0; SECRET];
-        getrandom::fill(&mut bytes).map_err(|error| refused(format!("the system gives no random numbers: {error}")))?;
+        getrandom::fill(&mut bytes).map_err(|error| refused(format!("the operating system provides no random numbers: {error}")))?;
         let secret = bytes.iter().map(|byte| format!("{byte:02x}")).collect();
         let report = Arc::new(LiveReport::new(folder));
         let site = Arc::new(Site::new(report.clone(), port, secret));

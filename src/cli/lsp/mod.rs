@@ -39,7 +39,7 @@ pub struct Arguments {
     /// Seconds after which a check is stopped
     #[arg(long, value_name = "SECONDS", default_value_t = 10)]
     patience: u64,
-    /// Ignored: editors pass it to name the way of communication, which is always this one
+    /// Ignored: editors pass it to select standard input and output, which are always used
     #[arg(long, hide = true)]
     stdio: bool,
     #[command(flatten)]

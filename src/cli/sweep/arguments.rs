@@ -37,11 +37,11 @@ On a cluster: `--engine slurm`, or any engine around `conserva sweep plan`, `swe
 /// One of the three parts of a study.
 #[derive(Subcommand)]
 pub enum Part {
-    /// Write the list of points, and compute none
+    /// Write the list of points without computing any
     Plan(PlanArguments),
-    /// Compute one point of a planned study, or some
+    /// Compute one or several points of a planned study
     Point(PointArguments),
-    /// Make table, pictures and page of a study as it stands
+    /// Make table, pictures and page of the points computed so far
     Collect(CollectArguments),
 }
 
@@ -61,7 +61,7 @@ pub struct PlanArguments {
     pub design: DesignArguments,
 }
 
-/// What is computed, and for which values.
+/// Design of a study: script and varied values.
 #[derive(Args)]
 pub struct DesignArguments {
     /// The script, a study file (TOML) beside it, or the folder of a study that is to go on
@@ -77,7 +77,7 @@ pub struct DesignArguments {
     /// Samples of the intervals: sobol:256 (even) or random:256 (independent)
     #[arg(long, value_name = "METHOD:COUNT")]
     pub sample: Option<Sampling>,
-    /// Another seed gives other samples
+    /// Seed of the samples
     #[arg(long, value_name = "N")]
     pub seed: Option<u32>,
     /// A CSV file of points: a header with names of parameters, and a row for each point
@@ -92,7 +92,7 @@ pub struct DesignArguments {
     /// Operations after which a script counts as endless
     #[arg(long, value_name = "N", default_value_t = MAX_OPERATIONS)]
     pub max_operations: u64,
-    /// Give a point up after this time (30s, 10min, 2h): it is then a failed one
+    /// Abandon a point after this time (30s, 10min, 2h); it counts as failed
     #[arg(long, value_name = "TIME", value_parser = seconds)]
     pub point_time: Option<f64>,
     #[command(flatten)]
@@ -103,7 +103,7 @@ pub struct DesignArguments {
     /// Folder of the study [default: out/<script name>-sweep]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Compute points again that are done: those that failed, or all
+    /// Compute finished points again: the failed ones, or all
     #[arg(long, value_enum)]
     pub retry: Option<Retry>,
 }
@@ -111,7 +111,7 @@ pub struct DesignArguments {
 /// Which points are computed again.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Retry {
-    /// Those that did not come to their end
+    /// Failed points only
     Failed,
     /// All
     All,
@@ -120,10 +120,10 @@ pub enum Retry {
 /// Where and how points are computed.
 #[derive(Args)]
 pub struct ComputeArguments {
-    /// Who computes the points
+    /// Engine that computes the points
     #[arg(long, value_enum, default_value_t = Engine::Here)]
     pub engine: Engine,
-    /// Points that are computed at a time on this machine [default: one for each processor]
+    /// Points computed at a time on this machine [default: one for each processor]
     #[arg(long, value_name = "N", value_parser = threads)]
     pub jobs: Option<u16>,
     /// No progress, no table
@@ -149,7 +149,7 @@ pub struct ComputeArguments {
     pub sbatch: Vec<String>,
 }
 
-/// Who computes the points.
+/// Engine that computes the points of a study.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Engine {
     /// This machine
@@ -167,7 +167,7 @@ pub struct PointArguments {
     /// Numbers of the points, from 0 on (`points.csv` lists them): 3, or 0-9,12; `-` reads them from standard input
     #[arg(long, value_name = "K", allow_hyphen_values = true)]
     pub index: String,
-    /// So many points from that number on
+    /// Number of points to compute, from `--index` on
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub count: Option<u32>,
 }

@@ -53,9 +53,11 @@ const GAUSS: [(f64, f64); 3] = [(0.112_701_665_379_258_31, 5.0 / 18.0), (0.5, 8.
 pub struct Closing<T> {
     /// Gradients of the shape functions of both triangles.
     gradients: PerTriangle<[T; 2]>,
-    /// Height profiles, the affine function `e` in the primary shape functions, and minus its derivatives.
+    /// Height profiles.
     heights: [Quadratic; 2],
+    /// Affine function `e` in the primary shape functions.
     factor: [f64; 3],
+    /// Minus the derivatives of `e`.
     tilts: [f64; 2],
 }
 
@@ -63,9 +65,11 @@ pub struct Closing<T> {
 pub struct Tilt<T> {
     /// Gradients of the shape functions.
     gradients: [[T; 2]; 3],
-    /// Slope `m`, `1/(1 + |m|^2/2)`, and `mu`.
+    /// Slope `m`.
     slope: [T; 2],
+    /// `1/(1 + |m|^2/2)`.
     per: T,
+    /// Bounded function `mu` of the slope (`docs/theory.md`).
     mu: [T; 2],
     q: [T; 3],
 }

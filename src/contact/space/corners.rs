@@ -24,24 +24,25 @@ use crate::contact::surface::{Sides, Surface};
 use crate::contact::window::PredictedMotion;
 use crate::integrators::{Configuration, Derivative, PatchFunction, Projection};
 
-/// Largest number of constraints of a feature, such as a vertex in a pocket. `OF_BALL`: number of constraints of a ball, for all facets
-/// around a node, and its largest radius in facet sizes.
+/// Largest number of constraints of a feature, such as a vertex in a pocket.
 pub(super) const SLOTS: usize = 3;
+/// Number of constraints of a ball, for all facets around a node, and its largest radius in facet sizes.
 pub(super) const OF_BALL: (usize, f64) = (6, 3.0);
 
 /// Search distance beyond the required one, in smallest facets.
 const SEARCH_MARGIN: f64 = 1.0;
 
-/// Largest penetration at which a constraint is considered, in smallest facets; `OPEN`: largest opening.
+/// Largest penetration at which a constraint is considered, in smallest facets.
 const DEEP: f64 = 0.55;
+/// Largest opening at which a constraint is considered, in smallest facets.
 const OPEN: f64 = 0.25;
 
 /// Sine of the smallest angle between two edges with a constraint; nearly parallel edges are constrained by their vertices.
 const CROSSING: f64 = 0.05;
 
-/// Largest cosine of the angle between the constraint's normal and the directions into the material next to a feature, which must recede;
-/// `STRICT`: value for constraints that dominate others.
+/// Largest cosine of the angle between the constraint's normal and the directions into the material next to a feature, which must recede.
 const CONE: f64 = 0.1;
+/// Value of [`CONE`] for constraints that dominate others.
 const STRICT: f64 = 0.01;
 
 /// Pair of features of a contact element.
@@ -58,8 +59,9 @@ pub(super) enum Kind {
 pub struct CornersInSpace {
     pub(super) sides: Sides,
     features: [Features; 2],
-    /// Points and edges that own constraints, and opposite facets and edges, as surfaces for the search.
+    /// Points and edges that own constraints, as a surface for the search.
     pub(super) owners: Surface,
+    /// Opposite facets and edges, as a surface for the search.
     pub(super) partners: Surface,
     candidates: Candidates,
     /// One node of each feature with constraints, to which output assigns them.

@@ -53,7 +53,7 @@ pub enum FacetsError {
     #[error("point {0} has a coordinate that is not finite")]
     NotFinite(usize),
     /// An edge with more than two triangles, or with two of opposite orientation.
-    #[error("the triangles at the edge from ({:?}) to ({:?}) do not look to the same side", .0[0], .0[1])]
+    #[error("the triangles at the edge from ({:?}) to ({:?}) face opposite sides", .0[0], .0[1])]
     Turned([[f64; 3]; 2]),
 }
 

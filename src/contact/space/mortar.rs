@@ -37,8 +37,9 @@ pub struct MortarInSpace {
     /// Positions of all nodes at the start of the step, and each pair there.
     q_0: Vec<f64>,
     start: Vec<PairStart>,
-    /// Height profiles of the facets of both sides; `heights`: heights of the curves above the nodes.
+    /// Height profiles of the facets of both sides.
     profiles: [Vec<Profile>; 2],
+    /// Heights of the curves above the nodes of both sides.
     heights: [Vec<f64>; 2],
     /// Direction of the tangents at each node of each facet: cosine and sine of the angle to the facet's first axis.
     turns: Vec<Vec<[f64; 2]>>,
@@ -69,10 +70,11 @@ struct Scratch {
     start: Vec<f64>,
     end: Vec<f64>,
     middle: Vec<f64>,
-    /// `row`: gradient of one function; `hessian`: weighted Hessian; `weighted`: gradients at mid-step and at the end, weighted by the
-    /// multipliers.
+    /// Gradient of one function.
     row: Vec<f64>,
+    /// Weighted Hessian.
     hessian: Vec<f64>,
+    /// Gradients at mid-step and at the end, weighted by the multipliers.
     weighted: [Vec<f64>; 2],
     projection: Projection<3>,
 }

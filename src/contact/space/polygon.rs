@@ -302,9 +302,9 @@ impl<T: Number> Polygon<T> {
 }
 
 impl Polygon<OfPrimary> {
-    /// Takes the edges of a polygon, `all` or without those between triangles of one facet, and the derivatives of their ends. A corner of
-    /// the primary triangle moves with it; where sides of both triangles cross, the corner moves along the secondary side. The areas of
-    /// the triangles and of the polygon are left out.
+    /// Copies the edges of a polygon with the derivatives of their ends; without `all`, edges between two triangles of one facet are left
+    /// out. A corner of the primary triangle moves with it; where sides of both triangles cross, the corner moves along the secondary side.
+    /// Areas are not copied.
     #[inline(always)]
     pub fn follow(&mut self, polygon: &Polygon<f64>, own: &[[f64; 2]; 3], gradients: &PerTriangle<[f64; 2]>, all: bool) {
         const LANES: usize = 6;

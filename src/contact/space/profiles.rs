@@ -37,8 +37,8 @@ const ONWARDS: f64 = 0.3;
 /// Relative singular value of the fit of a quadric below which the corresponding direction is undetermined.
 const OPEN: f64 = 0.05;
 
-/// Largest difference of the normals of a face of second order from those of the surface, over the turn along a facet, up to which the
-/// face continues its neighbors.
+/// Largest difference of the normals of a face of second order from those of the surface, relative to the turn along a facet, up to which
+/// the face continues its neighbors.
 const AGREEING: f64 = 0.2;
 
 /// Quadratic height over a triangle with the shape functions `L_i`, `sum b_ij L_i L_j`: `b_00, b_11, b_22, b_01, b_12, b_20` `[length]`,
@@ -79,8 +79,8 @@ pub struct Profile {
 }
 
 impl Profile {
-    /// Profile from heights of the curve over the corners and from sagittas along the sides, each at the index of the corner where the side
-    /// starts; inside of a facet of four nodes by serendipity interpolation over a plane parallelogram.
+    /// Profile from the heights of the curve over the corners and the sagittas of the sides, indexed by the corner at which the side
+    /// starts. Inside a facet of four nodes: serendipity interpolation for a plane parallelogram.
     #[cfg(test)]
     pub fn new(corners: &[f64], sagittas: &[f64]) -> Self {
         match (corners.try_into(), sagittas.try_into()) {

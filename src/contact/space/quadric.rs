@@ -19,8 +19,8 @@ use crate::math::tolerances::STRAIGHT;
 /// Largest number of corrections of the plane; each one squares the error.
 const CORRECTIONS: usize = 12;
 
-/// Largest distance of a node of a face from its quadric, over `k l^2` of the edge length `l`: 8 % of the sagitta. Faces of other surfaces
-/// have none.
+/// Largest distance of a node of a face from its quadric, relative to `k l^2` with the edge length `l`: 8 % of the sagitta. Faces of other
+/// surfaces have none.
 const MISSED: f64 = 0.01;
 
 /// Surface through the nodes of a face.

@@ -59,8 +59,9 @@ pub struct RoundInSpace {
     carried: ([f64; 3], f64),
     /// True if edges have constraints at the rim of a finite cylinder only, because its side is too large to penetrate between nodes.
     only_at_rim: bool,
-    /// True for each constraint that is present in this step; `stretches`: for each constraint, the segment of its edge that is searched.
+    /// True for each constraint that is present in this step.
     is_there: Vec<bool>,
+    /// Searched segment of the edge of each constraint.
     stretches: Vec<Stretch>,
     /// Ends of the edges at the start of the step, relative to the obstacle.
     start: Vec<Ends>,
@@ -83,11 +84,11 @@ struct Deepest {
 }
 
 /// Kink of the distance inside of a sharp edge of the obstacle, where the deepest point has the same depth below both sides. The gradient
-/// is the convex combination of both normals without component along the surface's edge (Danskin, SIAM J. Appl. Math. 14, 1966).
+/// is the convex combination of both normals without component along the surface's edge (Danskin, SIAM J. Appl. Math. 14, 1966); `jump` is
+/// the component of the normals' `difference` along this edge.
 struct Kink {
     normal: Vector3<f64>,
     curvature: Matrix3<f64>,
-    /// Difference of both normals; `jump`: its component along the edge.
     difference: Vector3<f64>,
     jump: f64,
 }

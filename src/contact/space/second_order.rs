@@ -38,8 +38,9 @@ use crate::elements::face_points;
 use crate::math::tolerances;
 use crate::mesh::{flat_pieces, pieces_of};
 
-/// Factors `k` of the edge offsets in the shift of corners: of triangles, and `OF_QUADRILATERALS`.
+/// Factor `k` of the edge offsets in the shift of corners of triangles.
 const OF_TRIANGLES: f64 = 1.0 / 4.0;
+/// Factor `k` of the edge offsets in the shift of corners of quadrilaterals.
 const OF_QUADRILATERALS: f64 = 1.0 / 3.0;
 
 /// Iterations in which the areas of the points and the factors of the offsets are adapted to each other; one is exact if the points of
@@ -228,8 +229,9 @@ struct Center {
 struct Proxy {
     /// Coefficients of the nodes, without offsets.
     base: Vec<(u32, f64)>,
-    /// Edges whose offsets shift the point, with factors that are independent of `r`; `own`: with factors to be multiplied by `r`.
+    /// Edges whose offsets shift the point, with factors that are independent of `r`.
     raised: Vec<(usize, f64)>,
+    /// Edges whose offsets shift the point, with factors to be multiplied by `r`.
     own: Vec<(usize, f64)>,
     /// Home nodes, whose multipliers the point interpolates.
     homes: Vec<(u32, f64)>,
@@ -240,8 +242,9 @@ struct Proxies {
     edges: Vec<Edge>,
     edge_of: BTreeMap<u32, usize>,
     centers: Vec<Center>,
-    /// Index of the point of each node; `center_of`: of the center of each face of eight or nine nodes.
+    /// Index of the point of each node.
     point_of: BTreeMap<u32, u32>,
+    /// Index of the point at the center of each face of eight or nine nodes.
     center_of: BTreeMap<Vec<u32>, u32>,
     proxies: Vec<Proxy>,
     faces: Vec<Vec<u32>>,

@@ -64,7 +64,8 @@ pub fn outward<T: Number>([a, b]: [&Vertex<T>; 2]) -> [T; 2] {
     [b.p[1] - a.p[1], a.p[0] - b.p[0]]
 }
 
-/// Sides of a triangle opposite its corners; rotated by a right angle, over twice the area, they are the shape functions' gradients.
+/// Sides of a triangle opposite its corners; rotated by a right angle and divided by twice the area, they are the shape functions'
+/// gradients.
 #[inline(always)]
 pub fn sides<T: Number>([a, b, c]: &[[T; 2]; 3]) -> [[T; 2]; 3] {
     [sub(*c, *b), sub(*a, *c), sub(*b, *a)]

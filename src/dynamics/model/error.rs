@@ -25,7 +25,7 @@ pub enum ModelError {
         name: String,
     },
     /// No initial size for adaptive steps: it cannot be derived from rigid bodies.
-    #[error("the first step cannot be guessed where all bodies are rigid")]
+    #[error("the first step cannot be estimated if all bodies are rigid")]
     NoFirstStep,
     /// Body that cannot be rigid, for the given reason.
     #[error("body \"{body}\" cannot be rigid: {reason}")]
@@ -56,7 +56,7 @@ pub enum ModelError {
         remedy: &'static str,
     },
     /// Joint with unilateral constraints under a time integrator with a force history.
-    #[error("joint \"{joint}\" holds one way, and with the integrator \"{integrator}\" forces act on after their step")]
+    #[error("joint \"{joint}\" is unilateral, but the integrator \"{integrator}\" applies forces in later steps, too")]
     OneSidedJoint {
         /// Name of the joint.
         joint: String,
@@ -64,7 +64,7 @@ pub enum ModelError {
         integrator: &'static str,
     },
     /// A joint whose points do not coincide.
-    #[error("joint \"{joint}\" at {place:?} is open: what it joins is {distance:.3e} apart")]
+    #[error("joint \"{joint}\" at {place:?} is open: the points that it joins are {distance:.3e} apart")]
     JointApart {
         /// Name of the joint.
         joint: String,
@@ -309,7 +309,7 @@ pub enum ModelError {
         contact: String,
         /// Largest distance of a secondary node from the other side `[length]`.
         gap: f64,
-        /// Distance over the length of the secondary facets.
+        /// Distance relative to the length of the secondary facets.
         facets: f64,
     },
     /// Inverted or degenerate cell.

@@ -35,7 +35,7 @@ fn check_static(model: &Model, chooses_size: bool) -> Result<(), ModelError> {
     let refused = |what: String, reason, instead| Err(ModelError::NotTaken { steps: "steps without inertia", what, reason, instead });
     if chooses_size {
         let reason = "every equilibrium is exact, and no error grows from step to step";
-        return refused("a size that they choose".into(), reason, "give steps a size: one that fails is taken in increments");
+        return refused("an automatic step size".into(), reason, "give steps a size: one that fails is taken in increments");
     }
     if let Some(given) = model.initial_velocities.first() {
         let what = format!("the initial velocity of body \"{}\"", model.bodies[given.body].name);
@@ -50,7 +50,7 @@ fn check_backward(model: &Model, chooses_size: bool) -> Result<(), ModelError> {
         Err(ModelError::NotTaken { steps: "steps with a stage back in time", what, reason, instead: "take `energy_momentum`" })
     };
     if chooses_size {
-        return refused("a size that follows from the error".into(), "errors of fourth order are not estimated");
+        return refused("an automatic step size".into(), "errors of fourth order are not estimated");
     }
     let reason = "back in time it would give back the energy that it takes";
     if let Some(body) = model.bodies.iter().find(|body| !body.material.viscosity().is_none()) {
@@ -76,11 +76,11 @@ fn check_explicit(model: &Model, chooses_size: bool) -> Result<(), ModelError> {
     let refused = |what: String, reason, instead| Err(ModelError::NotTaken { steps: "explicit steps", what, reason, instead });
     if chooses_size {
         let reason = "what bounds their size is the fastest vibration, not the error";
-        return refused("steps that choose their size".into(), reason, "give steps a size, nine tenths of the stable one");
+        return refused("an automatic step size".into(), reason, "give steps a size, nine tenths of the stable one");
     }
     let implicit = "take an integrator that solves equations, such as `energy_momentum`";
     if let Some(body) = model.bodies.iter().find(|body| body.rigid.is_some()) {
-        let reason = "what holds its nodes together are equations";
+        let reason = "the constraints of its nodes are equations to be solved";
         return refused(
             format!("the rigid body \"{}\"", body.name),
             reason,
@@ -88,26 +88,30 @@ fn check_explicit(model: &Model, chooses_size: bool) -> Result<(), ModelError> {
         );
     }
     if let Some(joint) = model.joints.first() {
-        return refused(format!("joint \"{}\"", joint.name), "what it holds are equations", "join the points by stiff springs");
+        return refused(
+            format!("joint \"{}\"", joint.name),
+            "its constraints are equations to be solved",
+            "join the points by stiff springs",
+        );
     }
     if let Some(coupling) = model.couplings.first() {
         let what = format!("{} \"{}\"", coupling.kind.name(), coupling.name);
-        return refused(what, "what it holds are equations", implicit);
+        return refused(what, "its constraints are equations to be solved", implicit);
     }
     for interaction in &model.interactions {
         let name = &interaction.name;
         if interaction.is_tie() {
             return refused(
                 format!("tie \"{name}\""),
-                "what it holds are equations",
+                "its constraints are equations to be solved",
                 "make one mesh of the parts, or take another integrator",
             );
         }
         if interaction.equality {
-            return refused(format!("the contact \"{name}\" that also pulls"), "what it holds are equations", implicit);
+            return refused(format!("the contact \"{name}\" that also pulls"), "its constraints are equations to be solved", implicit);
         }
         if interaction.friction.is_some() {
-            return refused(format!("friction of contact \"{name}\""), "whether nodes stick follows from equations of the step", implicit);
+            return refused(format!("friction of contact \"{name}\""), "stick and slip follow from equations to be solved", implicit);
         }
         if interaction.update.is_some_and(|rule| *rule != GAP) {
             let reason = "gaps are held at the end of every step, and a closing takes the energy of its nodes";

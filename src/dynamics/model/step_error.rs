@@ -35,7 +35,7 @@ pub enum StepError {
     },
     /// Equations of a coupling or a joint that contradict those of other couplings, joints or supports.
     #[error(
-        "\"{coupling}\" asks for what supports and other couplings or joints forbid at t = {time}: it is off by {}",
+        "\"{coupling}\" contradicts supports and other couplings or joints at t = {time}: its equations are violated by {}",
         three_digits(*gap)
     )]
     Contradiction {
@@ -130,7 +130,7 @@ pub enum StepError {
         stable: Option<f64>,
     },
     /// Sides of a contact penetrate each other without contact forces.
-    #[error("the sides of contact \"{contact}\" overlap at t = {time}, and nothing holds them apart")]
+    #[error("the sides of contact \"{contact}\" overlap at t = {time} without contact forces")]
     StillOverlaps {
         /// Name of the contact.
         contact: String,

@@ -57,8 +57,8 @@ pub static PERSISTENCY: UpdateRule = UpdateRule {
 /// 53, 2002, who return it at once).
 pub static VELOCITY: UpdateRule = UpdateRule {
     name: "velocity",
-    summary: "closed as with `gap`, and exact energy: what a closing takes is kept in reserve (column `reserve`, part of `potential`) and \
-              becomes motion again when the contact opens",
+    summary: "closed as with `gap`, and exact energy: the energy of a closing is stored (column `reserve`, part of `potential`) and \
+              returned when the contact opens",
     holds: ActiveConstraints::Closed,
     gives_back: true,
     keeps_energy: true,

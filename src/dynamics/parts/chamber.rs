@@ -226,8 +226,9 @@ struct Chamber {
     facets: Vec<Vec<usize>>,
     gas: Gas,
     rim_point: Option<[f64; 3]>,
-    /// Positions of the chamber's nodes in the undeformed bodies, and the volume.
+    /// Positions of the chamber's nodes in the undeformed bodies `[length]`.
     rest: Vec<f64>,
+    /// Volume in the undeformed bodies.
     rest_volume: f64,
     /// Blocks of the nodes, row by row.
     places: Vec<Block>,

@@ -108,7 +108,7 @@ fn weights_of<const D: usize>(model: &Model, bodies: &[Body<D>], on: &BodyBounda
 }
 
 /// Equations of the mean rotation of a boundary with a rigid body: with the unit vectors `e_k` and the arms `r_a` at the start, turned by
-/// `R`, `sum_a w_a R (e_k x r_a) . x_a = sum_j R e_j . y_kj`, `y_kj = sum_a w_a (e_k x r_a)_j x_a`, over the size of the boundary.
+/// `R`, `sum_a w_a R (e_k x r_a) . x_a = sum_j R e_j . y_kj`, `y_kj = sum_a w_a (e_k x r_a)_j x_a`, divided by the size of the boundary.
 fn mean_rotation<const D: usize>(weighted: &Weighted, first: u32, rigid: &RigidBody, size: f64) -> PointConstraints {
     let Weighted { weights, points, center } = weighted;
     let arms: Vec<Vector3<f64>> = points.iter().map(|point| Vector3::from(*point) - Vector3::from(*center)).collect();

@@ -50,11 +50,13 @@ struct Damper {
 
 /// Kinematics of a damper.
 struct Stroke {
-    /// Unit vector from tail to head, and their distance.
+    /// Unit vector from tail to head.
     direction: [f64; 3],
+    /// Distance of tail and head.
     length: f64,
-    /// Relative velocity of the ends, and its component along the damper.
+    /// Relative velocity of the ends.
     velocity: [f64; 3],
+    /// Component of the relative velocity along the damper.
     speed: f64,
 }
 

@@ -23,7 +23,7 @@ pub enum Elastic {
     Linear(f64),
     /// Table of increasing elongations and forces, at least two points: linear between the points, extrapolated beyond them.
     Table(Arc<Vec<(f64, f64)>>),
-    /// Stored energy as text, and the factors of variable and value in the units of the model.
+    /// Stored energy as text, and the factors that convert its variable and its value to the units of the model.
     Energy(Arc<ScalarText>, [f64; 2]),
 }
 
@@ -218,7 +218,7 @@ pub enum Viscous {
         /// Smoothing speed `s` `[length/time]`.
         smoothing: f64,
     },
-    /// The force as text, and the factors of speed and force in the units of the model.
+    /// Force as text, and the factors that convert its speed and its value to the units of the model.
     Force(Arc<ScalarText>, [f64; 2]),
 }
 

@@ -5,7 +5,7 @@
 pub struct ForceShares {
     /// Weight of multipliers whose forces also enter later steps, as defined by the time integrator.
     pub lagging: f64,
-    /// Weight of the multipliers of contacts with friction, whose forces enter only their own step: 1 in a motion.
+    /// Weight of multipliers whose forces enter only their own step (unilateral contact, friction): 1 in a motion.
     pub alone: f64,
 }
 

@@ -25,8 +25,9 @@ pub struct FrictionRows {
     pub tangents: usize,
     /// Multiplier per slip, which scales slips to multipliers.
     pub c: f64,
-    /// Blocks of each tangential constraint with its normal constraint, and with the other constraints of its group.
+    /// Blocks of each tangential constraint with its normal constraint.
     pub(super) couplings: Vec<Block>,
+    /// Blocks of each tangential constraint with the other constraints of its group.
     pub(super) partners: Vec<Block>,
 }
 
@@ -119,7 +120,7 @@ pub struct NormalState<'a> {
     pub normal: f64,
     /// Derivative of `normal` with respect to the multiplier: 1, or -1 where a bilateral contact pulls.
     pub sense: f64,
-    /// Slip rate per slip: `1/dt`, over the weight of the constraint.
+    /// Slip rate per weighted slip: `1/dt` divided by the weight of the constraint.
     pub speed: f64,
     /// Multiplier per stress: 1, or a circumference in axisymmetric models.
     pub around: f64,

@@ -46,9 +46,10 @@ pub fn used_nodes(model: &Model, first: impl Fn(usize) -> usize, reference: &[f6
     used
 }
 
-/// Multiplier per slip of a joint's friction in units of weight over size, and slip tolerance in units of the joint's gap tolerance. With 1
-/// and 1 the admissible residual of friction would be below the round-off of forces.
+/// Multiplier per slip of a joint's friction in units of weight over size. With 1 here and in [`OF_JOINT`] the admissible residual of
+/// friction would be below the round-off of forces.
 const OF_WEIGHT: f64 = 10.0;
+/// Slip tolerance of a joint's friction in units of the joint's gap tolerance.
 const OF_JOINT: f64 = 1000.0;
 
 /// Constraints of rigid bodies and joints: for each body its rigidity and its tied nodes, then for each joint its constraints and its

@@ -13,8 +13,9 @@ pub struct PrescribedUnknown {
     pub unknown: usize,
     /// Index of the prescribed motion among the motions of the supports.
     motion: usize,
-    /// Position of the node at the start `[length]`, and the component.
+    /// Position of the node at the start `[length]`.
     place: [f64; 3],
+    /// Prescribed component.
     component: usize,
     /// Displacement at the start for bodies with initial displacements, otherwise `None` `[length]`.
     start: Option<f64>,

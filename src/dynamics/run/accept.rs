@@ -26,13 +26,15 @@ use crate::integrators::{Derivative, History};
 struct Outside {
     /// Loads on the nodes `[force]`.
     load: Vec<f64>,
-    /// Forces of rigid obstacles and of the ground, and the work of moving obstacles.
+    /// Forces of rigid obstacles and of the ground.
     obstacles: Vec<f64>,
+    /// Work of moving obstacles.
     obstacle_work: f64,
     /// Part of the obstacle work that the drive of each joint does.
     drive_works: Vec<f64>,
-    /// Work of moving supports. `slip_moment`: their angular momentum in addition to that of the reactions.
+    /// Work of moving supports.
     prescribed_work: f64,
+    /// Angular impulse of moving supports in addition to that of the reactions.
     slip_moment: [f64; 3],
     /// Contribution of this step's loads and of its obstacle forces to the force history of a scheme that keeps one.
     own: [Vec<f64>; 2],

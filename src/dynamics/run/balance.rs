@@ -60,8 +60,9 @@ pub struct Component {
 
 /// Unbalanced forces of a state.
 pub struct Imbalance {
-    /// Largest resultant or torque, and largest nodal force, relative to their tolerances.
+    /// Largest resultant or torque relative to its tolerance.
     pub of_sums: f64,
+    /// Largest nodal force relative to its tolerance.
     pub of_nodes: f64,
     /// True if round-off can explain the whole imbalance.
     pub is_round_off: bool,

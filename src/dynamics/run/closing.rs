@@ -28,9 +28,9 @@ const GROW: f64 = 2.0;
 /// Overlap in shortest secondary facets that needs no gradual closing: contact search always admits half a facet.
 const SHALLOW: f64 = 0.25;
 
-/// Extra reach of a pair, since gaps and depths are measured along different lines and at different points: factor of the measured depth,
-/// and fraction of the facet length.
+/// Reach of a pair as a factor of the measured depth, since gaps and depths are measured along different lines.
 const DEEPER: f64 = 1.1;
+/// Extra reach of a pair as a fraction of the facet length, since gaps and depths are measured at different points.
 const ELSEWHERE: f64 = 0.5;
 
 /// Initial overlaps of contacts and the progress of their closing.

@@ -17,7 +17,7 @@ pub struct BodyFields {
     pub displacement: Vec<[f64; 3]>,
     /// Velocity `[length/time]`.
     pub velocity: Vec<[f64; 3]>,
-    /// Acceleration `[length/time^2]`: change of the velocity in the last step over its size, 0 at rest.
+    /// Acceleration `[length/time^2]`: change of the velocity in the last step divided by the step size, 0 at rest.
     pub acceleration: Vec<[f64; 3]>,
     /// Cauchy stress xx, yy, zz, xy, yz, xz `[stress]`, as [`Stresses::at_nodes`](crate::bodies::Stresses::at_nodes) gives it.
     pub stress: Vec<[f64; 6]>,
@@ -36,7 +36,7 @@ pub struct BodyFields {
     pub energy_density: Vec<f64>,
     /// Contact pressure `[stress]`: the multiplier of a secondary node, 0 elsewhere.
     pub contact_pressure: Vec<f64>,
-    /// Contact gap `[length]`: weighted gap over the covered weight of a secondary node, NaN where there is none.
+    /// Contact gap `[length]`: weighted gap divided by the covered weight of a secondary node; NaN without an opposite facet.
     pub contact_gap: Vec<f64>,
     /// Contact force `[force]` on the nodes of both sides of all contacts, including friction, without ties.
     pub contact_force: Vec<[f64; 3]>,

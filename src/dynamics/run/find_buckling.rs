@@ -18,9 +18,11 @@ use crate::dynamics::step::vibrations::Vibrations;
 use crate::linear::{Lanczos, LinearError, Operator, Ritz, product};
 use crate::math::tolerances;
 
-/// Largest number of Lanczos vectors: per factor and in addition; vectors between two convergence checks.
+/// Largest number of Lanczos vectors per factor.
 const VECTORS: usize = 20;
+/// Largest number of Lanczos vectors in addition to [`VECTORS`] per factor.
 const BESIDES: usize = 300;
+/// Number of vectors between two convergence checks.
 const LOOK_AFTER: usize = 4;
 
 /// Largest number of repeated searches for missing factors.

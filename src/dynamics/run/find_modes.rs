@@ -16,17 +16,19 @@ use crate::dynamics::step::vibrations::{VibrationState, Vibrations};
 use crate::linear::{Lanczos, LinearError, Ritz, product};
 use crate::math::tolerances;
 
-/// Factor of a negative shift above an eigenvalue, and largest number of factors: unstable modes are at most as stiff as the stiffest
-/// cells.
+/// Factor of a negative shift above an eigenvalue.
 const LOWER: f64 = 10.0;
+/// Largest number of times that a shift is lowered by [`LOWER`]: unstable modes are at most as stiff as the stiffest cells.
 const MOST_SHIFTS: usize = 25;
 
-/// Largest number of Lanczos vectors: per mode, and in addition.
+/// Largest number of Lanczos vectors per mode.
 const VECTORS: usize = 20;
+/// Largest number of Lanczos vectors in addition to [`VECTORS`] per mode.
 const BESIDES: usize = 200;
 
-/// Least number of vectors between two convergence checks, and that number relative to the vectors so far.
+/// Least number of vectors between two convergence checks.
 const LOOK_AFTER: usize = 3;
+/// Ratio of the number of vectors so far to the number between two convergence checks.
 const LOOK_SHARE: usize = 24;
 
 /// Result of a search: eigenvalues, and vectors in the Lanczos basis.

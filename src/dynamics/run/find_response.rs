@@ -24,8 +24,9 @@ use crate::dynamics::step::vibrations::Vibrations;
 use crate::linear::{Lanczos, LinearError, Operator, Ritz, product};
 use crate::math::tolerances;
 
-/// Largest number of vectors, and of vectors between two evaluations of the residual.
+/// Largest number of vectors.
 const VECTORS: usize = 600;
+/// Number of vectors between two evaluations of the residual.
 const LOOK_AFTER: usize = 6;
 
 impl<const D: usize> Engine<D>

@@ -23,13 +23,16 @@ use crate::dynamics::step::vibrations::{VibrationState, Vibrations};
 use crate::linear::product;
 use crate::math::tolerances;
 
-/// Largest number of corrections of a point, and their number for which the step size is kept.
+/// Largest number of corrections of a point.
 const CORRECTIONS: usize = 12;
+/// Number of corrections for which the step size is kept.
 const WANTED: f64 = 4.0;
 
-/// Factors of the path step: after a failed step, largest growth per step, and largest size relative to the first step.
+/// Factor of the path step after a failed step.
 const SHORTER: f64 = 0.5;
+/// Largest growth of the path step from one step to the next.
 const LONGER: f64 = 1.5;
+/// Largest path step relative to the first one.
 const LONGEST: f64 = 4.0;
 
 /// Largest number of successive reductions of a step.
@@ -56,7 +59,7 @@ struct Rates {
 
 /// Solutions of Newton's system at a point for the residual and for a unit load.
 struct Response {
-    /// Largest residual over the largest force.
+    /// Largest residual relative to the largest force.
     residual: f64,
     correction: Vec<f64>,
     lambda: Vec<f64>,

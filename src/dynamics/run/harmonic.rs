@@ -78,7 +78,7 @@ pub enum HarmonicError {
     #[error(transparent)]
     Matrix(#[from] ModesError),
     /// Resonance: the excitation of an undamped model has a natural frequency.
-    #[error("the vibration with the angular frequency {frequency} grows without bound: it is a natural one, and nothing damps it")]
+    #[error("the vibration with the angular frequency {frequency} grows without bound: it is a natural one, and it is not damped")]
     Resonance {
         /// The frequency `[1/time]`.
         frequency: f64,

@@ -23,8 +23,9 @@ use crate::math::tolerances::{EIGHTH_TURN, PASSING};
 const SHORTER: f64 = 0.25;
 const LONGER: f64 = 2.0;
 
-/// First increment after the whole motion at once has failed, and least increment, relative to the whole.
+/// First increment relative to the whole motion, after the whole motion at once has failed.
 const FIRST: f64 = 0.25;
+/// Least increment relative to the whole motion.
 const LEAST: f64 = 1.0 / 512.0;
 
 /// Increment over which damped steps may find an equilibrium if the quasi-static path has none.

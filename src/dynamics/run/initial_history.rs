@@ -50,7 +50,7 @@ where
     fn memory_at(&mut self, start: &StepStart, at: &Linearization) -> Result<SchemeHistory, Failure> {
         let scheme = self.options.integrator;
         let (forces, mut scheme_history) = (&at.forces, SchemeHistory { of: scheme.describe(), ..SchemeHistory::default() });
-        // Forces of contacts with friction enter only their own step.
+        // Forces of unilateral contacts and of friction enter only their own step.
         let mut lagging: Vec<f64> = (0..at.q_1.len()).map(|k| forces.residual(k)).collect();
         self.system.alone_into(start, at, &mut lagging);
         let residual = |factor: f64| lagging.iter().map(|force| factor * force).collect();

@@ -217,7 +217,7 @@ pub struct JointTotals {
     pub force: [f64; 3],
     /// The moment about the joint's point on that body `[force * length]`; in the plane the third component.
     pub moment: [f64; 3],
-    /// Coordinate of the joint, an angle over whole turns `[rad]` or a length; NaN without one.
+    /// Coordinate of the joint: an angle that counts whole turns `[rad]`, or a length; NaN for a joint without a coordinate.
     pub value: f64,
     /// Work of the drive in the step `[energy]`.
     pub work: f64,
@@ -258,7 +258,7 @@ pub struct ProbeValues {
     pub displacement: [f64; 3],
     /// Velocity `[length/time]`.
     pub velocity: [f64; 3],
-    /// Acceleration `[length/time^2]`: change of the velocity in the step over its size, 0 at rest.
+    /// Acceleration `[length/time^2]`: change of the velocity in the step divided by the step size, 0 at rest.
     pub acceleration: [f64; 3],
 }
 

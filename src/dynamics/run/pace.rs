@@ -26,8 +26,9 @@ use crate::math::tolerances;
 
 /// Fraction of the tolerance that the controller aims at: errors of velocities become errors of positions and double them.
 const AIM: f64 = 0.5;
-/// Largest growth and reduction of the step size from one step to the next; `bdf2` is unstable for a growth beyond 2.4.
+/// Largest growth of the step size from one step to the next; `bdf2` is unstable for a growth beyond 2.4.
 const LONGER: f64 = 2.0;
+/// Largest reduction of the step size from one step to the next.
 const SHORTER: f64 = 0.2;
 /// Largest size of a repeated step relative to the refused one.
 const LESS: f64 = 0.9;

@@ -39,7 +39,7 @@ pub enum FailureCause {
     NoEquilibrium {
         /// Damped steps taken.
         steps: usize,
-        /// Unbalanced force on the body over the forces on it.
+        /// Unbalanced force on the body relative to the forces on it.
         unbalanced: f64,
         /// Body with the largest motion.
         body: String,

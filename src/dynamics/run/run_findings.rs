@@ -88,13 +88,13 @@ impl RunFindingKind {
 
     /// All kinds by their stable names, each with one sentence.
     pub const ALL: &'static [(&'static str, &'static str)] = &[
-        ("positive_contact_work", "contact gave energy in a step, which no update rule does: the largest share of the energy"),
+        ("positive_contact_work", "contact supplied energy in a step, a violation of all update rules: the largest share of the energy"),
         ("energy_defect", "energy appeared or vanished in a step beyond round-off: the largest share of the energy"),
-        ("not_conserved", "the integrator added or took energy, which it does not promise to keep: the largest share of the energy"),
+        ("not_conserved", "the integrator, which does not conserve energy, added or removed energy: the largest share of the energy"),
         ("leap", "a step of statics leapt to another equilibrium, or was too large: the share of the energy that it does not explain"),
         ("depth", "the sides of a contact overlapped by more than a tenth of a facet: the largest depth in facets"),
-        ("energy_taken", "closings under the update rule gap took energy: its share of the energy"),
-        ("reserve_held", "contacts of the update rule velocity keep energy at the end: its share of the energy"),
+        ("energy_taken", "closings under the update rule gap dissipated energy: its share of the energy"),
+        ("reserve_held", "contacts of the update rule velocity store energy at the end: its share of the energy"),
         ("sliding", "steps were halved beforehand where surfaces would have slid too far: how far in the first one, in facets"),
         ("approach", "steps were halved beforehand where bodies would have come through: how far in the first one, in facets"),
         ("came_through", "steps were taken back and halved where bodies had come through: how far in the first one, in facets"),
@@ -103,7 +103,7 @@ impl RunFindingKind {
             "motion_too_fast",
             "steps were taken in spite of fast motion, no more halvings being allowed: how far in the first one, in facets",
         ),
-        ("passed_through", "bodies with nothing defined between them are inside each other at the end: the depth in facets"),
+        ("passed_through", "bodies without a contact between them overlap at the end: the depth in facets"),
         ("passed_obstacle", "a side of a body that its contact does not name was inside a rigid obstacle: the largest depth in facets"),
         ("turned", "a body of linear elasticity has turned at the end: the angle, or the share of a strain or moment that it causes"),
         ("crushed", "a cell of Saint Venant-Kirchhoff material is crushed at the end, where the law softens: its least stretch"),
@@ -271,8 +271,7 @@ pub struct Measures<'a> {
     pub defect: Option<f64>,
     /// Name of the time integrator.
     pub integrator: &'static str,
-    /// True for explicit steps with forward increments of multipliers, whose contact returns in one step the energy taken in the next: sums
-    /// are judged.
+    /// True for explicit steps, whose contact returns in one step the energy taken in the next: sums over steps are judged.
     pub is_explicit: bool,
     /// True for statics, where works follow the trapezoidal rule.
     pub is_static: bool,
@@ -282,8 +281,9 @@ pub struct Measures<'a> {
     pub refused: &'a [Halving],
     /// True if the step size is controlled.
     pub chooses_steps: bool,
-    /// Number of factorizations, and the part in failed attempts and undone steps.
+    /// Number of factorizations.
     pub factorizations: usize,
+    /// Number of factorizations in failed attempts and undone steps.
     pub discarded: usize,
 }
 
@@ -311,7 +311,7 @@ struct Gathered {
     defect: At,
     /// Depth in facets for each contact.
     depths: Vec<At>,
-    /// Largest relative energy that contact removed, and added, in a step.
+    /// Largest relative energy that contact removed in a step; `given`: that it added.
     taken: At,
     given: At,
     /// Sums of the energy taken by contact, of the work of contact, and of energy defects.

@@ -46,13 +46,14 @@ const MAX_STEPS: usize = 100;
 /// Displacement limit of an unsupported body in a step, in facets; above it Newton's method fails to follow closing contacts.
 const FALL: f64 = 0.5;
 
-/// Displacement limit in a step of a body without a contact partner, and distance from which the body counts as lost, relative to the model
-/// extent.
+/// Displacement limit in a step of a body without a contact partner, relative to the model extent.
 const FLIGHT: f64 = 10.0;
+/// Distance from which a body counts as lost, relative to the model extent.
 const GONE: f64 = 95.0;
 
-/// Growth of the damping after a refused step, and in a mechanism.
+/// Growth of the damping after a refused step.
 const MORE_DAMPING: f64 = 100.0;
+/// Growth of the damping after a refused step of a mechanism.
 const DAMPING_OF_MECHANISMS: f64 = 10.0;
 
 /// Factor of the fraction of a prescribed motion after a failed step.
@@ -67,8 +68,9 @@ const MAX_PARTS: usize = 200;
 /// Growth of the search horizon after bodies moved beyond it.
 const WIDER: f64 = 3.0;
 
-/// Largest number of repetitions of a step, and of repetitions with a single remedy.
+/// Largest number of repetitions of a step.
 const MAX_TRIES: usize = 6;
+/// Largest number of repetitions of a step with a single remedy.
 const EARLY_TRIES: usize = 3;
 
 /// Number of steps with increased damping that may pass without a smaller imbalance: enough for buckling, while a sliding body is given up.
@@ -88,9 +90,11 @@ const COARSE: f64 = 1e5;
 struct EvaluatedState {
     positions: Vec<f64>,
     displacements: Vec<f64>,
-    /// Positions with prescribed motion, the displacement to these positions, and its size `[length]`.
+    /// Positions with prescribed motion.
     predicted: Vec<f64>,
+    /// Displacement to the positions with prescribed motion.
     moved: Vec<f64>,
+    /// Size of the displacement to the positions with prescribed motion `[length]`.
     prescribed: f64,
     /// True if the prescribed motion is complete.
     is_whole: bool,

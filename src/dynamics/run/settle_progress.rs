@@ -13,8 +13,10 @@ const LONGER: f64 = 2.0;
 
 /// Imbalance relative to its tolerance, 1e-8 of the forces, that is accepted after [`MAX_RIPPLES`] steps without a reduction to [`NEARER`]
 /// of the least one: a ring in a smooth race without friction is balanced at any angle up to ripples of its facets, and Newton's method
-/// does not converge. With eight steps instead of forty the patch test of dual multipliers in space reaches 5e-9.
+/// does not converge.
 const RIPPLE: f64 = 1e3;
+/// Number of steps after which [`RIPPLE`] is accepted. With eight steps instead of forty the patch test of dual multipliers in space
+/// reaches 5e-9.
 const MAX_RIPPLES: usize = 40;
 
 /// Ratio of imbalance to the least one below which a step counts as progress towards equilibrium.

@@ -16,8 +16,9 @@ use crate::integrators::Lumping;
 use crate::linear::{Lanczos, Operator};
 use crate::math::tolerances;
 
-/// Largest number of vectors, and of vectors between two evaluations.
+/// Largest number of vectors.
 const VECTORS: usize = 150;
+/// Number of vectors between two evaluations.
 const LOOK_AFTER: usize = 5;
 
 /// Largest number of iterations for a step that depends on its own size because of dampers.

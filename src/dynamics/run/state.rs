@@ -24,7 +24,7 @@ pub struct State {
     pub displacements: Vec<f64>,
     /// Velocities of all nodes `[length/time]`.
     pub velocities: Vec<f64>,
-    /// Accelerations of all nodes: change of the velocities in the last substep over its size, 0 at rest `[length/time^2]`.
+    /// Accelerations of all nodes: change of the velocities in the last substep divided by its size, 0 at rest `[length/time^2]`.
     pub accelerations: Vec<f64>,
     /// Multipliers of all contact pairs `[stress]`.
     pub(super) lambda: Vec<f64>,

@@ -17,10 +17,12 @@ const MAX_SETS: usize = 30;
 /// nearly dependent gradients.
 const PROXIMAL: f64 = 0.1;
 
-/// Growth of the proximal term in the next iteration if the present one does not suffice, its reduction if it does, and its largest value.
-/// The reduction is needed because the term limits the speed at which multipliers converge.
+/// Growth of the proximal term in the next iteration if the present one does not suffice.
 const MORE_PROXIMAL: f64 = 10.0;
+/// Reduction of the proximal term in the next iteration if the present one suffices, because the term limits the speed at which multipliers
+/// converge.
 const LESS_PROXIMAL: f64 = 3.0;
+/// Largest factor of the proximal term.
 const LARGEST_PROXIMAL: f64 = 10.0;
 
 impl<const D: usize> Attempt<'_, D>

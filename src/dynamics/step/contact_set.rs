@@ -32,8 +32,9 @@ pub fn has_row(pair: &ContactPair, evaluation: &Evaluation, local: usize) -> boo
 
 /// Tangential constraints of one normal constraint, at an iterate.
 pub struct SlipPlace<'a> {
-    /// Indices of the tangential constraints, and of the normal one, among all constraints.
+    /// Indices of the tangential constraints among all constraints.
     pub rows: Range<usize>,
+    /// Index of the normal constraint among all constraints.
     pub normal_row: usize,
     /// Contact pair of the constraints.
     pub pair: &'a ContactPair,

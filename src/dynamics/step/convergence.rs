@@ -5,27 +5,29 @@ use crate::math::tolerances::EXACT;
 /// Energy relative to its tolerance up to which a residual that does not decrease any more may be round-off.
 const STALLED: f64 = 100.0;
 
-/// Ratio to the last iteration's energy above which the energy counts as no longer decreasing: where it may be round-off by its size, and
-/// where the residual alone indicates round-off. An iteration with an inexact tangent may reduce it by as little as a tenth, and an energy
-/// that still decreases is no round-off.
+/// Ratio to the last iteration's energy above which an energy that may be round-off by its size counts as no longer decreasing.
 const FALLING: f64 = 0.5;
+/// Ratio to the last iteration's energy above which the energy counts as no longer decreasing, if the residual alone indicates round-off.
+/// An iteration with an inexact tangent may reduce it by as little as a tenth, and an energy that still decreases is no round-off.
 const FALLING_FAR: f64 = 0.9;
 
-/// Growth of the number of iterations while the last one reduces the energy error and meets all other criteria, or while some iterations
-/// reduce the product of energy error and violation to a tenth. Stacks of rigid bodies that begin without multipliers, and friction that
-/// decreases with the speed, take 30 (`tests/scripts/rigid_friction_in_space.rhai`).
+/// Growth of the number of iterations while the last one reduces the energy error and meets all other criteria, or while the last [`SOME`]
+/// iterations reduce the product of energy error and violation to [`TENTH`]. Stacks of rigid bodies that begin without multipliers, and
+/// friction that decreases with the speed, take 30 (`tests/scripts/rigid_friction_in_space.rhai`).
 const LONGER: usize = 3;
+/// Reduction of the product of energy error and violation in [`SOME`] iterations that permits more iterations.
 const TENTH: f64 = 0.1;
+/// Number of iterations for the reduction [`TENTH`].
 const SOME: usize = 4;
 
 /// Iteration from which an energy below the round-off of contact forces is accepted although it still falls: the next linear solve of
 /// redundant constraints may increase it again.
 const LATE: usize = 12;
 
-/// Ratio to the least distance from a solution that counts as nearer, and the number of iterations without coming nearer after which an
-/// attempt is given up: a cycling attempt would use all its iterations. A smaller number leads to other attempts too early, which may find
-/// another solution.
+/// Ratio to the least distance from a solution that counts as nearer.
 const NEARER: f64 = 0.7;
+/// Number of iterations without coming nearer after which an attempt is given up: a cycling attempt would use all its iterations. A smaller
+/// number leads to other attempts too early, which may find another solution.
 const MAX_IDLE: usize = 8;
 
 /// Residuals, energies and active set changes of one Newton iteration.
@@ -69,8 +71,9 @@ pub struct Convergence {
     /// Products of energy error and contact violation, each relative to its tolerance and at least 1, of the last iterates; the latest
     /// first.
     merits: [f64; SOME],
-    /// Least distance from a solution, and the number of iterations since.
+    /// Least distance from a solution.
     nearest: f64,
+    /// Number of iterations since the least distance from a solution.
     idle: usize,
     /// True if the last increment was limited, so that its residual need not decrease.
     pub is_limited: bool,

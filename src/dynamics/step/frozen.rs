@@ -29,8 +29,9 @@ use crate::dynamics::parts::laws::Equation;
 
 /// Newton's system of one iterate, factorized with one active set.
 pub struct Frozen {
-    /// Equations of the active set in the factors, and of the present set.
+    /// Equations of the active set in the factors.
     rows: ConstraintRows,
+    /// Equations of the present active set.
     present: ConstraintRows,
     /// Right-hand side and solution of the active set in the factors.
     right: Vec<f64>,

@@ -22,8 +22,9 @@ const SHORTEST: f64 = 1.0 / 16384.0;
 /// Angle by which the direction of a slip may change within a part of a phase.
 const TURN: f64 = 0.01;
 
-/// Largest number of sweeps per part, which is always allowed, and largest number of products in all sweeps of an impact.
+/// Largest number of sweeps per part: what is always allowed, and the upper bound.
 const SWEEPS: [usize; 2] = [100, 20_000];
+/// Largest number of products in all sweeps of an impact.
 const PRODUCTS: usize = 100_000_000;
 
 /// Ratio of the change in a sweep to that of `SWEEPS[0]` sweeps before, above which the iteration has stalled.

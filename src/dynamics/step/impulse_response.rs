@@ -41,8 +41,9 @@ pub struct Cause<'a> {
     pub rows: [&'a [Evaluation]; 2],
     /// Impulses of the constraints.
     pub lambda: &'a [f64],
-    /// Constraints with given rates, and the changes of these rates.
+    /// Constraints with given rates.
     pub hold: &'a [bool],
+    /// Changes of the given rates.
     pub rate: &'a [f64],
     /// Impulses of tangential constraints relative to those of their normal constraints, in the order of all constraints.
     pub ratios: &'a [f64],

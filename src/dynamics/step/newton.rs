@@ -79,8 +79,9 @@ pub struct Task<'a> {
     pub interrupted: &'a dyn Fn() -> bool,
 }
 
-/// Growth of the increment limit after a limited increment that confirmed the linearization, and the largest limit relative to the first.
+/// Growth of the increment limit after a limited increment that confirmed the linearization.
 const GROWTH: f64 = 4.0;
+/// Largest increment limit relative to the first.
 const LARGEST_LIMIT: f64 = 10.0;
 
 /// Increment relative to the first limit beyond which the next linearization omits the geometric stiffness of contact forces; not at rest,

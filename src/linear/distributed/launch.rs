@@ -13,8 +13,9 @@ const PROGRAM: &str = "conserva-mumps";
 /// Environment variable with the path of the program of a rank.
 const PROGRAM_VARIABLE: &str = "CONSERVA_MUMPS";
 
-/// Environment variable with the command that starts ranks, and its default, for Open MPI.
+/// Environment variable with the command that starts ranks.
 const LAUNCHER_VARIABLE: &str = "CONSERVA_MPIRUN";
+/// Default of the command that starts ranks, for Open MPI.
 const LAUNCHER: &str = "mpirun --oversubscribe --bind-to none";
 
 /// Environment variables of a process that an MPI launcher has started: rank and number of ranks (Open MPI; MPICH, Intel MPI and Slurm with

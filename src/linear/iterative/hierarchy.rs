@@ -11,7 +11,8 @@ use super::coarsest::Coarsest;
 use super::smoother::{InitialGuess, Smoother};
 use crate::math::workers::Workers;
 
-/// Numerator of the damping `omega` of the prolongation smoother, over the largest eigenvalue of `D^-1 A`: the best for model problems.
+/// Numerator of the damping `omega` of the prolongation smoother, to be divided by the largest eigenvalue of `D^-1 A`: the best for model
+/// problems.
 const DAMPING: f64 = 4.0 / 3.0;
 
 /// Threshold of strong couplings on the finest level, halved from level to level.

@@ -45,8 +45,9 @@ enum Preconditioner {
 pub(super) struct Iterative {
     preconditioner: Option<Preconditioner>,
     krylov: Krylov,
-    /// Scales of the vertices, and of the unknowns.
+    /// Scales of the vertices.
     vertex_scale: Vec<f64>,
+    /// Scales of the unknowns.
     scale: Vec<f64>,
     /// Iterations of all solves.
     pub iterations: usize,

@@ -16,8 +16,9 @@ use crate::math::workers::Workers;
 pub(super) struct Saddle<const D: usize, const M: usize> {
     hierarchy: Hierarchy<D, M>,
     coarsest: Coarsest,
-    /// First unknown of every node, and unknowns of the border vertices.
+    /// First unknown of every node.
     firsts: Vec<usize>,
+    /// Unknowns of the border vertices.
     unknowns: Vec<usize>,
     alone: Vec<Alone>,
     right: Vec<[f64; D]>,

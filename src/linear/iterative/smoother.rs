@@ -12,8 +12,9 @@ const DEGREE: usize = 2;
 /// Ratio of the largest to the smallest eigenvalue that the smoother damps; coarse levels reduce error components with smaller eigenvalues.
 const RATIO: f64 = 10.0;
 
-/// Number of power iterations for the largest eigenvalue; `SAFETY` compensates their underestimation.
+/// Number of power iterations for the largest eigenvalue.
 const POWERS: usize = 12;
+/// Factor that compensates the underestimation of the largest eigenvalue by power iterations.
 const SAFETY: f64 = 1.1;
 
 /// Number of terms of a sum that one thread adds.

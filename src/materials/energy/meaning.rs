@@ -236,7 +236,7 @@ impl Translation<'_> {
         }
         let label = format!("{:?} at rest", self.graph.rest(a));
         let error = self.error(&argument.span, "the energy takes the logarithm of what is not positive at rest", label);
-        Err(error.hint("take it of what is about 1 at rest, as in `ln(J)`"))
+        Err(error.hint("apply it to a quantity that is about 1 in the undeformed state, as in `ln(J)`"))
     }
 
     fn call(&mut self, name: &str, arguments: &[Expression], span: &Range<usize>) -> Result<Id, EnergyError> {

@@ -43,8 +43,9 @@ enum Token {
     Comma,
 }
 
-/// Largest depth of nested brackets and powers, and number of tokens: above any real law, below stack exhaustion.
+/// Largest depth of nested brackets and powers: above any real law, below stack exhaustion.
 const DEEPEST: usize = 50;
+/// Largest number of tokens: above any real law.
 const LONGEST: usize = 1000;
 
 /// The tree of a text.

@@ -108,7 +108,7 @@ pub struct BackStress {
 }
 
 impl BackStress {
-    /// Factor of the back stress over the back strain, `X = factor a`.
+    /// Ratio of the back stress to the back strain, `X = factor a`.
     pub(super) fn factor(&self) -> f64 {
         2.0 / 3.0 * self.modulus
     }

@@ -92,7 +92,7 @@ impl<const FMA: bool, const S: usize> PlasticPoint<FMA, S> {
     #[inline(always)]
     fn strain(&self, strain: &[Lanes<FMA>; S]) -> [Lanes<FMA>; S] {
         let (p, e) = (&self.frame, matrix::<FMA, S>(strain));
-        // E P.
+        // E P = E + E p; zero components are skipped.
         let mut right = e;
         for i in 0..3 {
             for j in 0..3 {

@@ -143,7 +143,7 @@ fn places_in_binary_files_are_bytes() {
     twice[nodes + 28] = 1;
     let problem = DuplicateNode { node: 1, first: FilePosition::Byte(nodes) };
     assert_eq!(read_mesh_bytes(&twice).unwrap_err(), FileError { at: FilePosition::Byte(nodes + 28), problem }.into());
-    assert_eq!(read_mesh_bytes(&twice).unwrap_err().to_string(), format!("node 1 is there twice, first at byte {nodes}"));
+    assert_eq!(read_mesh_bytes(&twice).unwrap_err().to_string(), format!("node 1 occurs twice, first at byte {nodes}"));
 }
 
 /// Mesh of two squares as an Abaqus input file that uses every feature that is read.

@@ -10,8 +10,9 @@ use crate::machine::files;
 use crate::mesh::MeshError;
 use crate::mesh::file_error::{FileError, FilePosition, FileProblem};
 
-/// Size of the header of a binary STL file with the number of triangles, and of each triangle `[bytes]`.
+/// Size of the header of a binary STL file with the number of triangles `[bytes]`.
 const STL_HEAD: usize = 84;
+/// Size of a triangle in a binary STL file `[bytes]`.
 const STL_TRIANGLE: usize = 50;
 
 /// Points `[length]` and triangles of a surface.

@@ -114,8 +114,9 @@ pub(super) struct Tables {
     pub without_face_nodes: Option<(usize, u64)>,
     /// Cells that were written with repeated nodes, by their numbers.
     pub collapsed: HashMap<u64, Collapse>,
-    /// Original numbers of nodes and elements that were renumbered from 1; empty if the numbers are those of the file.
+    /// Original numbers of nodes that were renumbered from 1; empty if the numbers are those of the file.
     written_nodes: Vec<u64>,
+    /// Original numbers of elements that were renumbered from 1; empty if the numbers are those of the file.
     written_elements: Vec<u64>,
 }
 

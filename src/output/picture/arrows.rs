@@ -20,8 +20,9 @@ const KEY: f64 = 36.0;
 const APART: f64 = 18.0;
 /// Shorter arrows are not drawn, in pixels.
 const SHORTEST: f64 = 1.0;
-/// Length of an arrow's head in pixels, and its largest share of the arrow.
+/// Length of an arrow's head in pixels.
 const HEAD: f64 = 8.0;
+/// Largest length of an arrow's head relative to the arrow.
 const HEAD_SHARE: f64 = 0.5;
 
 /// Length of the longest vector of all bodies.

@@ -13,9 +13,9 @@ use crate::output::obstacle_surfaces::ObstacleSurface;
 
 /// Cosine of the angle between facets from which their common edge is drawn as an edge of the body.
 const SHARP: f64 = 0.8;
-/// Direction of the light (to the right, up, toward the viewer) on bodies in space, and the ambient light: weak enough to keep the colors
-/// readable.
+/// Direction of the light (to the right, up, toward the viewer) on bodies in space.
 const LAMP: [f64; 3] = [-0.21, 0.4, 0.89];
+/// Ambient light on bodies in space: weak enough to keep the colors readable.
 const AMBIENT: f64 = 0.75;
 
 /// A facet that faces the viewer.

@@ -71,7 +71,7 @@ fn of_numbers(name: &'static str, summary: &'static str, compute: fn(&Array) -> 
             let values = numbers_of(call, "values")?;
             compute(&values).ok_or_else(|| {
                 let failure = call.argument("values").fail(format!("an empty array has no `{name}`")).code(causes::NO_SUCH);
-                failure.hint("ask `values.is_empty()` first").into()
+                failure.hint("check `values.is_empty()` first").into()
             })
         }),
     }
@@ -96,7 +96,7 @@ fn linspace() -> Function {
         name: "linspace",
         form: Form::Function,
         topic: Topic::Arrays,
-        summary: "so many numbers at equal distances, the first and the last one given",
+        summary: "numbers at equal distances between a first and a last one",
         parameters: vec![
             Parameter::number("first", "any", Interval::Finite, "the first number"),
             Parameter::number("last", "any", Interval::Finite, "the last number"),

@@ -155,7 +155,7 @@ pub fn functions() -> Vec<Function> {
             name: "fmt",
             form: Form::Function,
             topic: Topic::Numbers,
-            summary: "a number as text with so many significant digits",
+            summary: "a number as text with a given number of significant digits",
             parameters: vec![
                 Parameter::number("x", "any", Interval::Finite, "the number"),
                 Parameter::new("digits", Kind::Integer, "significant digits").within(Interval::Closed(1.0, 17.0)).or(Absent::Integer(6)),

@@ -137,12 +137,12 @@ fn interpolate() -> Function {
             let (x, y, at) = (array(call, "x")?, array(call, "y")?, call.argument("at"));
             if x.len() != y.len() || x.is_empty() {
                 let failure = call.argument("y").fail(format!("`x` and `y` have {} and {} entries", x.len(), y.len())).code(causes::COUNT);
-                return Err(failure.hint("give one value for each place, and one point at least").into());
+                return Err(failure.hint("give one `y` for each `x`, and at least one point").into());
             }
             if let Some(ends) = x.windows(2).find(|ends| ends[0].partial_cmp(&ends[1]) != Some(std::cmp::Ordering::Less)) {
-                let failure = call.argument("x").fail("the places of a curve must ascend").code(causes::ORDER);
+                let failure = call.argument("x").fail("the places `x` of a curve must increase").code(causes::ORDER);
                 let failure = failure.label(format!("{} follows {}", number_text(ends[1]), number_text(ends[0])));
-                return Err(failure.hint("sort the points, and give each place once").into());
+                return Err(failure.hint("sort the points, and give each `x` once").into());
             }
             match as_number(&at.value()) {
                 Some(at) => Ok(interpolated(at, &x, &y).into()),

@@ -167,8 +167,7 @@ fn definition<'a>(context: &'a NativeCallContextStore, name: &str) -> Option<&'a
 fn changed(name: Option<&ImmutableString>) -> Failure {
     let variable = name.map_or_else(|| "a variable".to_string(), |name| format!("`{name}`"));
     let failure = Failure::script(format!("the closure changes {variable}, which belongs to the script around it")).code(causes::CLOSURE);
-    let failure =
-        failure.cause("every point of a study is computed by itself, perhaps beside others, with values as they were at its begin");
+    let failure = failure.cause("points of a study are computed independently, possibly in parallel, with the values at its start");
     failure.hint("let the closure give what it found: `#{ name: value, … }`")
 }
 

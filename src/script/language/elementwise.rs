@@ -84,7 +84,7 @@ impl Operator {
             Failure::script(format!("`{}` works entry by entry, and the arrays have {a} and {b} entries", self.sign)).code(causes::COUNT);
         match self.sign {
             "+" => failure.hint("`a.append(b)` puts the entries of `b` behind those of `a`; `a.push(x)` puts one value there"),
-            _ => failure.hint("`a.len()` tells how many entries an array has; `a.extract(0, n)` gives the first `n`"),
+            _ => failure.hint("`a.len()` is the number of entries of an array; `a.extract(0, n)` gives the first `n`"),
         }
     }
 }

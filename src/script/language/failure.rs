@@ -64,7 +64,7 @@ impl std::fmt::Display for ScriptError {
 
 impl std::error::Error for ScriptError {}
 
-/// The parts of a message.
+/// Parts of a message: class, code, title, place, causes, hints.
 #[derive(Clone, Debug)]
 pub struct Details {
     /// Kind of failure.

@@ -459,8 +459,9 @@ fn pretty(value: &Value) -> String {
     text
 }
 
-/// Largest number of names suggested for an unknown one that is their beginning, and smallest number of its letters.
+/// Largest number of names suggested for an unknown one that is their beginning.
 const LONGER: usize = 6;
+/// Smallest number of letters of an unknown name for which longer names are suggested.
 const BEGINNING: usize = 3;
 
 /// True if a name begins with `with` (at least `BEGINNING` bytes), in lower case.

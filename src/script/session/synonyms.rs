@@ -50,43 +50,46 @@ const SYNONYMS: &[(&[&str], &[&str])] = &[
     (&["optimization", "optimisation", "calibration", "identification"], &["minimize", "fit"]),
 ];
 
-/// Words for which the language has no function, each with what stands for it.
+/// Words for which the language has no function, each with a sentence on the substitute.
 const MISSING: &[(&[&str], &str)] = &[
     (
         &["cohesive", "crack", "fracture", "damage", "delamination", "debonding"],
         "no law breaks: bodies and bonds have no damage, and `tie` holds for good (docs/limits.md)",
     ),
-    (&["fatigue", "rainflow", "s-n curve"], "there is no law of fatigue: `sim.probe` records the stresses at a point for one outside"),
+    (
+        &["fatigue", "rainflow", "s-n curve"],
+        "there is no law of fatigue: `sim.probe` records the stresses at a point, for evaluation in another program",
+    ),
     (
         &["wear", "archard"],
-        "surfaces do not wear: `friction_work` of the history is the work from which a law of wear outside of a run follows",
+        "surfaces do not wear: `friction_work` of the history is the work to which a law of wear in another program applies",
     ),
     (
         &["lubrication", "oil film", "hydrodynamic", "reynolds equation"],
-        "contacts are dry: `add_bushing` or `add_damper` stand for a film with a given stiffness and damping",
+        "there is no pressure of a film: `add_bushing` or `add_damper` replace a film, and `coulomb` takes its shear stress per speed",
     ),
     (
         &["roughness", "asperit"],
-        "surfaces are as smooth as their mesh: `penalty` in `add_contact` makes a contact compliant, `rough()` lets nothing slip",
+        "surfaces are as smooth as their mesh: `penalty` in `add_contact` makes a contact compliant, `rough()` prevents sliding",
     ),
     (
         &["adhesion", "van der waals"],
         "contacts press only: `equality: true` in `add_contact` admits tension, `tie` holds surfaces together",
     ),
-    (&["mass scaling"], "masses are never changed: implicit steps need no scaling, and `central_differences()` tells its stable step"),
+    (&["mass scaling"], "masses are never changed: implicit steps need no scaling, and `stable_step` returns the largest explicit one"),
     (&["hourglass", "reduced integration"], "all cells are fully integrated: there is no hourglass mode to control"),
     (
         &["submodel", "global-local"],
-        "there are no submodels: `prescribe` moves the boundary of a finer model as a closure or a `table` of a coarser one says",
+        "there are no submodels: `prescribe` moves the boundary of a finer model by a closure or a `table` of results of a coarser one",
     ),
-    (&["heat transfer", "temperature", "thermomechanical"], "there are no temperatures: `grow` expands a body by a factor over time"),
+    (&["heat transfer", "temperature", "thermomechanical"], "there are no temperatures: `grow` expands a body by a constant factor"),
     (
         &["beam element", "shell element", "truss", "membrane element"],
         "there are solids only: cells of second order bend well; see docs/limits.md",
     ),
 ];
 
-/// Returns what stands for a term of the field that the language does not have.
+/// Returns a sentence on the substitute for a term of the field that the language does not have.
 pub fn missing(text: &str) -> Option<&'static str> {
     let text = text.to_lowercase();
     MISSING.iter().find(|(words, _)| words.iter().any(|word| text.contains(word))).map(|(_, sentence)| *sentence)

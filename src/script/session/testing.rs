@@ -141,7 +141,7 @@ impl TestCase {
         match came {
             Some(came) => {
                 let place = came.place.as_ref().map(|place| format!("{place}: ")).unwrap_or_default();
-                diagnostic.cause(format!("it came: {place}{}", came.title))
+                diagnostic.cause(format!("the message is: {place}{}", came.title))
             }
             None => diagnostic,
         }

@@ -27,10 +27,11 @@ const COLUMNS: &[(&str, &str)] = &[
     ("load_work", "the work of loads and prescribed displacements in this step"),
     (
         "contact_work",
-        "the work of contact between bodies in this step, which the update rule gap loses on purpose; never positive in motion; in statics \
+        "the work of contact between bodies in this step, by which the update rule gap dissipates energy; never positive in motion; in \
+         statics \
          the trapezoidal rule, of either sign",
     ),
-    ("friction_work", "the work of friction in contacts and joints in this step, what it turns into heat; never positive"),
+    ("friction_work", "the work of friction in contacts and joints in this step, which turns into heat; never positive"),
     ("dissipation", "the heat of viscous materials, dampers and drag and the loss of impacts of rigid bodies in this step, never negative"),
     (
         "energy_defect",
@@ -54,7 +55,7 @@ const COLUMNS: &[(&str, &str)] = &[
     ("halvings", "how often the step was tried and halved before it was accepted; what is halved untried is not counted"),
     ("active", "the number of closed contact nodes"),
     ("max_penetration", "the largest depth of a node of either side in the other body, point by point"),
-    ("reserve", "what closings under the update rule velocity took and keep until the contact opens, part of `potential`"),
+    ("reserve", "the stored impact energy of the update rule velocity until the contact opens, part of `potential`"),
 ];
 
 /// Returns all words, catalogue by catalogue.

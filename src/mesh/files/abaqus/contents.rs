@@ -255,8 +255,9 @@ impl Contents {
 /// Tables of one or several scopes. With several scopes, nodes and elements get new numbers.
 struct Merged {
     tables: Tables,
-    /// New numbers by scope and number; `None` if the numbers of a single scope are kept.
+    /// New numbers by scope and number.
     new: HashMap<(Kind, usize, u64), u64>,
+    /// Single scope, whose numbers are kept; `None` if there are several.
     alone: Option<usize>,
 }
 

@@ -9,8 +9,9 @@ use crate::machine::files;
 use crate::mesh::MeshError;
 use crate::mesh::file_error::{FileError, FilePosition, FileProblem};
 
-/// Largest nesting depth of included files, and largest number of included files.
+/// Largest nesting depth of included files.
 const DEEPEST: usize = 16;
+/// Largest number of included files.
 const MOST: usize = 1000;
 
 /// Consecutive lines from one file.

@@ -50,8 +50,9 @@ fn names_of(document: &Document) -> BTreeMap<(String, i64), String> {
 /// File with the data that its arrays need.
 struct File<'a> {
     layout: Layout,
-    /// Appended data, and true if they are base64 text.
+    /// Appended data.
     appended: &'a [u8],
+    /// True if the appended data are base64 text.
     is_text: bool,
     /// Starts of the arrays in the appended data, ascending.
     offsets: BTreeSet<usize>,

@@ -21,8 +21,8 @@ pub fn expect_conserved() -> Function {
         name: "expect_conserved",
         form: Form::Function,
         topic: Topic::Checks,
-        summary: "ends the script with an error when a quantity drifts by more than a relative tolerance; \"ledger\" asks \
-                  whether the energy balance of every step closes",
+        summary: "ends the script with an error when a quantity drifts by more than a relative tolerance; \"ledger\" checks that the \
+                  energy balance of every step closes",
         parameters: vec![
             Parameter::new("simulation", Kind::Handle(SimulationHandle::NAME), "the simulation"),
             Parameter::new("quantity", Kind::Choice(QUANTITIES), "what should be conserved"),

@@ -48,7 +48,7 @@ fn closed(call: &Call) -> Result<Dynamic, Box<EvalAltResult>> {
         ("now", _) if nodes > 0 => passed(call, &format!("ok  contact \"{name}\" is closed at {nodes} nodes at t = {}", brief(time))),
         ("now", Some(since)) => Err(failed(call, format!("contact \"{name}\" is open at t = {}", brief(time)))
             .cause(format!("it was first closed at t = {}", brief(since)))
-            .hint("ask whether it was closed at any time with \"ever\"")
+            .hint("check whether it was closed at any time with \"ever\"")
             .into()),
         (_, Some(since)) => passed(call, &format!("ok  contact \"{name}\" closed, first seen at t = {}", brief(since))),
         (_, None) => {

@@ -14,8 +14,9 @@ use crate::script::language::digits::number_text;
 use crate::script::language::prelude::*;
 use crate::script::language::values::{as_number, describe};
 
-/// Powers of ten of the slip speeds at which a closure is sampled, and number of samples per decade; 0 is added.
+/// Powers of ten of the slip speeds at which a closure is sampled; 0 is added.
 const DECADES: [i32; 2] = [-12, 12];
+/// Number of samples per decade of slip speeds.
 const SPEEDS: i32 = 128;
 
 /// Largest coefficient of friction without a warning: clean metals in vacuum and soft rubber reach 2 to 3.
@@ -49,23 +50,23 @@ fn coulomb() -> Function {
         name: "coulomb",
         form: Form::Function,
         topic: Topic::Contact,
-        summary: "Coulomb friction for a contact: the shear stress of what slides is `coefficient` times the pressure",
+        summary: "Coulomb friction for a contact: the shear stress in sliding is `coefficient` times the pressure",
         parameters: vec![Parameter::new(
             "options",
             Kind::Options(vec![
                 Parameter::new(
                     "coefficient",
                     Kind::Either("a number, a time function, or a closure `|t| …` or `|x, y| …`"),
-                    "the coefficient of what slides, 0 or more",
+                    "the kinetic coefficient, 0 or more",
                 )
                 .of("1"),
-                number("at_rest", "1", Interval::Positive, "the coefficient at rest over that of what slides, 1 or more", "1"),
-                number("transition_speed", "length/time", Interval::Positive, "the speed that parts rest from sliding", "no transition"),
-                Parameter::number("exponent", "1", Interval::Positive, "that of the transition `exp(-(v/transition_speed)^exponent)`")
+                number("at_rest", "1", Interval::Positive, "the ratio of the static to the kinetic coefficient, 1 or more", "1"),
+                number("transition_speed", "length/time", Interval::Positive, "the speed of the transition to sliding", "no transition"),
+                Parameter::number("exponent", "1", Interval::Positive, "the exponent of `exp(-(v/transition_speed)^exponent)`")
                     .or(Absent::Number(1.0)),
-                Parameter::number("adhesion", "stress", Interval::NonNegative, "the shear stress that what rests bears without pressure")
+                Parameter::number("adhesion", "stress", Interval::NonNegative, "the shear stress of sticking surfaces without pressure")
                     .or(Absent::Number(0.0)),
-                number("most", "stress", Interval::Positive, "the shear stress that is never exceeded", "no bound"),
+                number("most", "stress", Interval::Positive, "the maximum shear stress", "no bound"),
                 Parameter::number("viscosity", "stress*time/length", Interval::NonNegative, "the shear stress per speed of a film")
                     .or(Absent::Number(0.0)),
             ]),
@@ -86,7 +87,7 @@ fn coulomb() -> Function {
                 let failure = argument.fail(format!("{} must be 1 or more", argument.title())).code(causes::OUT_OF_RANGE);
                 return Err(failure
                     .label(format!("this is {}", number_text(static_ratio)))
-                    .hint("what rests holds no less than what slides")
+                    .hint("static friction is at least as large as kinetic friction")
                     .into());
             }
             let adhesion = options.number("adhesion")?;
@@ -98,7 +99,7 @@ fn coulomb() -> Function {
             if transition.is_none() && static_ratio != 1.0 {
                 let failure = options.argument("at_rest").fail("`at_rest` needs a `transition_speed`").code(causes::OPTIONS_TOGETHER);
                 return Err(failure
-                    .hint("add the speed that parts rest from sliding, such as a hundredth of the speeds that matter")
+                    .hint("add the speed of the transition from static to kinetic friction, such as a hundredth of typical sliding speeds")
                     .into());
             }
             let law = Coulomb {
@@ -137,8 +138,8 @@ fn friction_curve() -> Function {
         parameters: vec![Parameter::new(
             "coefficient",
             Kind::Either("an array of `[speed, coefficient]` pairs or a closure `|v| …`"),
-            "the coefficient: linear between pairs and constant beyond them; a closure is asked once at 128 speeds in every power \
-             of ten",
+            "the coefficient: linear between pairs and constant beyond them; a closure is evaluated once at 128 speeds in every power of \
+             ten",
         )],
         returns: FrictionHandle::NAME,
         example: "let measured = friction_curve([[0.0, 0.45], [0.05, 0.32], [1.0, 0.3]]);
@@ -186,7 +187,7 @@ fn sampled(argument: &Argument, closure: &Callback) -> Result<Vec<(f64, f64)>, B
                 let given = describe(argument.call().engine(), &value);
                 Err(failure
                     .label(format!("at the speed {} this gives {given}", number_text(speed)))
-                    .hint("write `|v| max(0.0, …)`: it is asked for speeds from 0 to 1e12")
+                    .hint("write `|v| max(0.0, …)`: it is evaluated for speeds from 0 to 1e12")
                     .into())
             }
         }
@@ -199,7 +200,8 @@ fn rough() -> Function {
         name: "rough",
         form: Form::Function,
         topic: Topic::Contact,
-        summary: "friction of a contact whose surfaces do not slide: a coefficient of 10, so that they do where next to nothing presses",
+        summary: "friction of a contact whose surfaces do not slide: a coefficient of 10, so that they slide only where the pressure is \
+                  very small",
         parameters: Vec::new(),
         returns: FrictionHandle::NAME,
         example: "print(rough());".into(),
@@ -213,7 +215,7 @@ pub fn friction_parameter() -> Parameter {
     Parameter::new(
         "friction",
         Kind::Either("a coefficient, `coulomb(…)`, `friction_curve(…)`, `rough()` or `\"none\"`"),
-        "what opposes the sliding of surfaces that are pressed: a number is the coefficient of Coulomb's law",
+        "the friction law: a number is the coefficient of Coulomb's law",
     )
     .or(Absent::Means("none: surfaces slide freely"))
 }

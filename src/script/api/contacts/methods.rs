@@ -108,8 +108,12 @@ pub fn shapes_of(options: &Options, has_obstacle: bool) -> Result<[Option<Obstac
 /// Descriptions of the options `update`, `penalty` and `augmented_lagrange`.
 pub fn rule_parameters() -> [Parameter; 3] {
     [
-        Parameter::new("update", Kind::Choice(update_names()), "the condition of a closed node over a step")
-            .or(Absent::Means("`\"persistency\"` with an integrator that keeps the energy, `\"gap\"` with others")),
+        Parameter::new(
+            "update",
+            Kind::Choice(update_names()),
+            "the update rule: the condition on the gap of an active node at the end of a step",
+        )
+        .or(Absent::Means("`\"persistency\"` with an integrator that keeps the energy, `\"gap\"` with others")),
         Parameter::number(
             "penalty",
             "1",

@@ -64,15 +64,15 @@ impl Moves {
                 "in space the normal",
             ],
             Moves::Round => [
-                "the angle by which it has turned over time, counter-clockwise: about its center, which friction feels, or about another \
-                 point, as a cam does",
+                "the angle by which it has turned over time, counter-clockwise: about its center, which affects friction only, or about \
+                 another point, as a cam does",
                 "its center",
                 "",
             ],
             Moves::Polyline => ["the angle by which it has turned over time, counter-clockwise", "", ""],
             Moves::AboutAxis => [
-                "the angle by which it has turned over time, as a right-handed screw: about its own axis, which friction feels, or about \
-                 another one",
+                "the angle by which it has turned over time, as a right-handed screw: about its own axis, which affects friction only, or \
+                 about another one",
                 "a point of its own axis",
                 "its own axis",
             ],
@@ -107,7 +107,7 @@ fn rotation_of(moves: Moves, obstacle: &Obstacle, options: &Options, motion: &Op
     if !angle.is_given() {
         let given = axis.as_ref().or(Some(&about).filter(|about| about.is_given()));
         return given.map_or(Ok(None), |given| {
-            let failure = given.fail(format!("{} goes with an `angle`", given.title())).code(causes::OPTIONS_TOGETHER);
+            let failure = given.fail(format!("{} has no meaning without an `angle`", given.title())).code(causes::OPTIONS_TOGETHER);
             Err(failure.hint("give the `angle` over time, such as `|t| 2.0 * t`, or leave this out"))
         });
     }
@@ -125,7 +125,7 @@ fn rotation_of(moves: Moves, obstacle: &Obstacle, options: &Options, motion: &Op
         (true, _) => about.vector(if is_in_space { 3 } else { 2 })?,
         (false, Some([center, _])) => center,
         (false, None) => {
-            let failure = about.fail("what turns needs a point about which it turns").code(causes::MISSING);
+            let failure = about.fail("a rotation needs a point of its axis").code(causes::MISSING);
             return Err(failure.label("this has an `angle` alone").hint("write `about: [0.0, 0.0]`, in space `about: [0.0, 0.0, 0.0]`"));
         }
     };

@@ -77,7 +77,7 @@ fn rigid_cylinder() -> Function {
             }
             let edge = options.argument("edge_radius");
             if edge.is_given() {
-                let failure = edge.fail(format!("{} goes with a `length`", edge.title())).code(causes::OPTIONS_TOGETHER);
+                let failure = edge.fail(format!("{} has no meaning without a `length`", edge.title())).code(causes::OPTIONS_TOGETHER);
                 return Err(failure.label("this cylinder has no ends").hint("give its `length`, or leave this out"));
             }
             in_space(ObstacleInSpace::Cylinder { point, axis, radius, is_hollow })
@@ -187,7 +187,7 @@ fn rigid_surface() -> Function {
     shape(
         "rigid_surface",
         "a rigid surface of flat facets as the other side of a contact of bodies in space: from an STL or OBJ file or a mesh; \
-         bodies are where its facets look. Triangles that do not fit are mended where there is one way to do it, with a warning",
+         bodies are on the side that its facets face. Faults of triangles with a unique repair are repaired, with a warning",
         vec![
             Parameter::new("file", Kind::Text, "an `.stl` or `.obj` file, below the script's folder or a folder that `--allow-read` names")
                 .or(Absent::Means("a mesh is given")),
@@ -224,7 +224,7 @@ fn rigid_surface() -> Function {
                 let call = argument.call();
                 let warning = Diagnostic::warning("the surface was mended: its triangles did not fit", call.place(&Target::Argument(0)));
                 let warning = warning.code("C0284").cause(mending.to_string());
-                call.host.warn(warning.hint("see that its facets look to where bodies are; `inside: true` turns all of them"));
+                call.host.warn(warning.hint("check that its facets face the bodies; `inside: true` reverses all of them"));
             }
             faceted(mended.map(|(facets, _)| facets), argument)
         },

@@ -59,7 +59,7 @@ fn add_contact() -> Function {
                         "equality",
                         Kind::Flag,
                         "whether every covered node is closed and tension allowed (the bilateral constraints of the paper); \
-                         its friction is bounded by the magnitude of the pressure, as in a guide that bears on either side",
+                         its friction is bounded by the magnitude of the pressure, as in a guide with contact on both sides",
                     )
                     .or(Absent::Flag(false)),
                 ]),
@@ -178,13 +178,8 @@ fn tie() -> Function {
 
 /// Restitution of the impacts of rigid bodies.
 fn restitution_parameter() -> Parameter {
-    Parameter::number(
-        "restitution",
-        "1",
-        Interval::Closed(0.0, 1.0),
-        "share of the impulse of an impact between rigid sides that parts them again",
-    )
-    .or(Absent::Means("1 with the update rules that keep the energy, `persistency` and `velocity`; 0 with `gap`"))
+    Parameter::number("restitution", "1", Interval::Closed(0.0, 1.0), "the coefficient of restitution of impacts between rigid sides")
+        .or(Absent::Means("1 with the update rules that keep the energy, `persistency` and `velocity`; 0 with `gap`"))
 }
 
 fn name_parameter() -> Parameter {

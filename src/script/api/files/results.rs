@@ -51,8 +51,7 @@ pub fn result() -> Function {
         name: "result",
         form: Form::Function,
         topic: Topic::Parameters,
-        summary: "notes what the script yields under a name: it stands in `summary.json`, and `conserva sweep` makes a column of its table \
-                  of it",
+        summary: "records a result of the script under a name: it is in `summary.json`, and a column of the table of `conserva sweep`",
         parameters: vec![
             Parameter::new(
                 "name",
@@ -115,7 +114,7 @@ fn refused(call: &Call, value: &Dynamic) -> Failure {
         .code(causes::WRONG_TYPE);
     failure
         .label(format!("this is {}", describe(call.engine(), value)))
-        .hint("give one number that tells it, such as the last of a column: `sim.history.total[-1]`")
+        .hint("give one number that represents it, such as the last of a column: `sim.history.total[-1]`")
 }
 
 /// Converts a value for a file; `None` for values that no file can hold. JSON has no numbers that are not finite: these are written as

@@ -13,8 +13,9 @@ use crate::script::language::prelude::*;
 
 const RUBBER: &str = "let rubber = mooney_rivlin(#{ c10: 0.16, c01: 0.02, bulk_modulus: 100.0, density: 1e-9 });\n";
 
-/// Default range of stretches in a plot, and number of points on each side of 1.
+/// Default range of stretches in a plot.
 const STRETCHES: [f64; 2] = [0.5, 3.0];
+/// Number of points of a plot on each side of the stretch 1.
 const POINTS: usize = 60;
 
 /// Script functions defined in this file.
@@ -57,7 +58,7 @@ fn uniaxial_path() -> Function {
         form: Form::Method(MaterialHandle::receiver()),
         topic: Topic::Materials,
         summary: "nominal stresses of a bar whose sides are free at stretches that it goes through one after the other, at rest: loading, \
-                  unloading and cycles of an elastic-plastic material; the way between two is taken in steps of a few percent",
+                  unloading and cycles of an elastic-plastic material; the path between two is divided into steps of a few percent",
         parameters: vec![Parameter::new("stretches", Kind::Array, "lengths over the undeformed length")],
         returns: "Array",
         example: "let steel = elastic_plastic(#{ youngs_modulus: 210e3, poisson_ratio: 0.3, density: 7.85e-9, yield_stress: 235.0 });\n\
@@ -95,7 +96,7 @@ fn unreached(call: &Call, material: &Material, stretch: f64, last: f64) -> Failu
     let title = format!("`{}` has no state at a stretch of {}", material.name(), number_text(stretch));
     let failure = Failure::new(Class::Numerics, title).in_method(call.function.form.receiver().is_some());
     let failure = failure.code("C0324").cause(format!("the last state that was found has a stretch of {last:.3}"));
-    failure.hint("choose a stretch nearer to 1; `material.check()` tells where the law fails")
+    failure.hint("choose a stretch nearer to 1; `material.check()` reports where the law fails")
 }
 
 /// Returns stretches from 1 to `stretch`, both included, in steps of a few percent, at least `points` values.
@@ -109,7 +110,7 @@ fn check() -> Function {
         name: "check",
         form: Form::Method(MaterialHandle::receiver()),
         topic: Topic::Materials,
-        summary: "what is wrong with a material's law, an array of sentences, empty for a sound one: stress or energy at rest, \
+        summary: "the faults of a material's law, an array of sentences, empty for a sound law: stress or energy at rest, \
                   stiffness at rest that is not positive, ellipticity that is lost on the way to a stretch of 4 or 1/4 in uniaxial, \
                   equibiaxial and pure-shear tests",
         parameters: Vec::new(),
@@ -130,7 +131,7 @@ fn plot() -> Function {
     let keys = vec![
         Parameter::new("stretches", Kind::Array, "least and greatest stretch, around 1").or(Absent::Means("[0.5, 3]")),
         Parameter::new("title", Kind::Text, "the text above").or(Absent::Means("name of the law")),
-        Parameter::new("y_label", Kind::Text, "what the axis upwards says, with your unit").or(Absent::Text("nominal stress")),
+        Parameter::new("y_label", Kind::Text, "the label of the vertical axis, with your unit").or(Absent::Text("nominal stress")),
     ];
     Function {
         name: "plot",

@@ -140,7 +140,7 @@ fn unused(call: &Call, options: &Options, key: &str, named: &[String]) -> Failur
         _ => failure.cause(format!("the energy names {}", listed(named, "and"))),
     };
     if quantities_of_energies().any(|(quantity, _)| quantity == key) || functions_of_energies().any(|(function, _)| function == key) {
-        return failure.hint(format!("`{key}` means something else in an energy: call the constant otherwise"));
+        return failure.hint(format!("`{key}` has another meaning in an energy: choose another name for the constant"));
     }
     let keys = ["energy", "volumetric", "fiber", "fibers", "density"];
     failure.hint(did_you_mean(key, named.iter().map(String::as_str).chain(keys)).unwrap_or_else(|| "remove it".into()))

@@ -114,7 +114,7 @@ impl Law {
         let text = argument.text()?;
         if let Some(row) = CATALOGUE.iter().find(|row| row.name == text) {
             if !row.is_incompressible() {
-                let failure = argument.fail(format!("`{text}` cannot be fitted: its constants do not stand apart from the volume"));
+                let failure = argument.fail(format!("`{text}` cannot be fitted: its constants also enter the energy of the volume"));
                 return Err(failure.hint("write its energy, such as `\"mu/2*(I1bar - 3)\"`"));
             }
             let names = row.parameters.iter().map(|parameter| parameter.name).filter(|name| !["bulk_modulus", "density"].contains(name));

@@ -15,8 +15,7 @@ const VOLUMETRIC: &str = "volumetric";
 /// Options of a law: its constants, and its form if there are several.
 fn options_of(row: &MaterialRow) -> Vec<Parameter> {
     let form = row.volumetric.map(|VolumetricForm { all, .. }| {
-        Parameter::new(VOLUMETRIC, Kind::Choice(all), "the form of the energy's part that depends on the volume alone")
-            .or(Absent::Text(all[0]))
+        Parameter::new(VOLUMETRIC, Kind::Choice(all), "the form of the volumetric part of the energy").or(Absent::Text(all[0]))
     });
     row.parameters.iter().map(Parameter::of_catalogue).chain(form).collect()
 }

@@ -26,8 +26,8 @@ fn elastic_plastic() -> Function {
         name: "elastic_plastic",
         form: Form::Function,
         topic: Topic::Materials,
-        summary: "a metal: Hencky's law up to a yield stress (von Mises), then plastic flow with hardening; what flows turns into heat, \
-                  column `BODY.plastic_work` since the start; field `plastic_strain`. Cells take a mean dilatation by themselves. \
+        summary: "a metal: Hencky's law up to a yield stress (von Mises), then plastic flow with hardening; plastic work turns into heat, \
+                  column `BODY.plastic_work` since the start; field `plastic_strain`. Cells have a mean dilatation by default. \
                   Formulas: `docs/tasks/plasticity.md`",
         parameters: vec![Parameter::new(
             "options",
@@ -37,7 +37,7 @@ fn elastic_plastic() -> Function {
                 Parameter::number("density", "mass/volume", Interval::Positive, "mass per undeformed volume"),
                 Parameter::number("yield_stress", "stress", Interval::Positive, "true stress in tension at which flow begins")
                     .or(Absent::Means("the first of the points of `hardening`")),
-                Parameter::new("hardening", Kind::Either(FORMS), "how the yield stress grows with the plastic strain")
+                Parameter::new("hardening", Kind::Either(FORMS), "the yield stress as a function of the plastic strain")
                     .or(Absent::Means("perfect plasticity")),
             ]),
             "the constants",
@@ -89,7 +89,7 @@ fn warn_of_softening(argument: &Argument, law: &Hardening) {
         call.host.warn(
             Diagnostic::warning(title, call.place(&argument.target()))
                 .code("C0308")
-                .cause("what softens flows in a band as narrow as the cells: results depend on the mesh")
+                .cause("a softening material flows in a band as narrow as the cells: results depend on the mesh")
                 .hint("refine the mesh and compare, or give a `viscosity` with `rate_dependent`, which gives bands a width"),
         );
     }
@@ -179,7 +179,7 @@ fn back_stress() -> Function {
         parameters: vec![Parameter::new(
             "options",
             Kind::Options(vec![
-                Parameter::number("modulus", "stress", Interval::Positive, "what it gains per plastic strain in uniaxial tension"),
+                Parameter::number("modulus", "stress", Interval::Positive, "its slope per plastic strain in uniaxial tension"),
                 Parameter::number("recovery", "1", Interval::NonNegative, "dynamic recovery: it saturates at modulus over recovery")
                     .or(Absent::Number(0.0)),
             ]),
@@ -206,7 +206,7 @@ fn rate_dependent() -> Function {
         topic: Topic::Materials,
         summary: "the elastic-plastic material with a yield stress that depends on the rate of the plastic strain: k + viscosity d \
                   alpha/dt (Perzyna) or k (1 + factor ln(d alpha/dt / reference_rate)) above that rate (Johnson and Cook, without heat); \
-                  `settle` and `statics()` know no rates",
+                  `settle` and `statics()` neglect rates",
         parameters: vec![Parameter::new(
             "options",
             Kind::Options(vec![
@@ -246,7 +246,7 @@ fn hardening_curve() -> Function {
         topic: Topic::Materials,
         summary: "the points `[plastic strain, true yield stress]` of a tensile test whose points are `[engineering strain, engineering \
                   stress]`: true strain ln(1 + e), true stress s (1 + e), less the elastic strain; from the first yielding to the largest \
-                  force, where the specimen necks and a test tells no stress any more",
+                  force, beyond which the specimen necks and a test does not determine the stress",
         parameters: vec![
             Parameter::new("test", Kind::Array, "the points of the test, strains growing"),
             Parameter::new(
@@ -255,7 +255,7 @@ fn hardening_curve() -> Function {
                     Parameter::number("youngs_modulus", "stress", Interval::Positive, "stiffness of the specimen"),
                     Parameter::number("yield_stress", "stress", Interval::Positive, "true stress at which flow begins"),
                 ]),
-                "what is known of the specimen besides",
+                "further data of the specimen",
             ),
         ],
         returns: "Array",

@@ -20,7 +20,7 @@ fn viscous() -> Function {
         form: Form::Method(MaterialHandle::receiver()),
         topic: Topic::Materials,
         summary: "the material with a viscosity of Kelvin and Voigt: a stress 2 eta dE/dt + zeta tr(dE/dt) I on the rate of the strain; \
-                  what it turns into heat is the column `dissipation` of the history; in plane stress elastic and viscous stress \
+                  its heat is the column `dissipation` of the history; in plane stress elastic and viscous stress \
                   vanish together across the plane",
         parameters: vec![Parameter::new(
             "options",
@@ -30,7 +30,7 @@ fn viscous() -> Function {
                     "bulk_viscosity",
                     "stress*time",
                     Interval::NonNegative,
-                    "the resistance zeta to a change of volume besides",
+                    "the additional resistance zeta to a rate of the volume change",
                 )
                 .or(Absent::Number(0.0)),
             ]),
@@ -59,7 +59,7 @@ fn relaxing() -> Function {
         parameters: vec![Parameter::new(
             "options",
             Kind::Options(vec![
-                Parameter::number("shear_modulus", "stress", Interval::Positive, "mu, what a sudden strain finds besides"),
+                Parameter::number("shear_modulus", "stress", Interval::Positive, "mu, the additional shear modulus for a sudden strain"),
                 Parameter::number("relaxation_time", "time", Interval::Positive, "tau, in which its stress falls to 1/e"),
             ]),
             "the branch",

@@ -53,7 +53,7 @@ fn one_boundary(argument: &Argument, name: String, mesh: &Mesh) -> Result<Bounda
 
 /// Parameters of `boundary_where` of meshes and bodies.
 pub fn condition_parameters() -> Vec<Parameter> {
-    let condition = "asked at the nodes of the hull (with z in space); gives `true` or `false`";
+    let condition = "evaluated at the nodes of the hull (with z in space); gives `true` or `false`";
     vec![
         Parameter::new("name", Kind::Text, "the name of the new boundary"),
         Parameter::new("condition", Kind::Closure("|x, y|"), condition),

@@ -29,7 +29,7 @@ fn rectangle() -> Function {
                 Parameter::new("cells", Kind::Counts, "the number of cells along the width and the height"),
                 origin("[0, 0]"),
                 grading(
-                    "the last cell over the first, along the width and the height; cells grow in geometric progression",
+                    "the ratio of the last to the first cell, along the width and the height; cells grow in geometric progression",
                     "[1, 1], even cells",
                 ),
                 element(PLANE),
@@ -65,7 +65,7 @@ fn block() -> Function {
                 Parameter::new("size", Kind::Vector, "width, height and depth").of("length").within(Interval::Positive),
                 Parameter::new("cells", Kind::Counts, "the number of cells along the width, the height and the depth"),
                 origin("[0, 0, 0]"),
-                grading("the last cell over the first, along the width, the height and the depth", "[1, 1, 1], even cells"),
+                grading("the ratio of the last to the first cell, along the width, the height and the depth", "[1, 1, 1], even cells"),
                 element(SOLID),
             ]),
             "shape and cells",
@@ -101,7 +101,7 @@ fn ring() -> Function {
                 Parameter::new("center", Kind::Vector, "the center of both circles").of("length").or(Absent::Means("[0, 0]")),
                 Parameter::number("start_angle", "rad", Interval::Finite, "the direction of the first row of nodes")
                     .or(Absent::Number(0.0)),
-                Parameter::number("grading", "1", Interval::Positive, "the outermost cell over the innermost, along the radius")
+                Parameter::number("grading", "1", Interval::Positive, "the ratio of the outermost to the innermost cell, along the radius")
                     .or(Absent::Number(1.0)),
                 element(PLANE),
             ]),
@@ -140,7 +140,7 @@ fn arc() -> Function {
                 Parameter::new("cells", Kind::Counts, "the number of cells along the radius and along the arc"),
                 Parameter::number("start_angle", "rad", Interval::Finite, "the direction of its start").or(Absent::Number(0.0)),
                 Parameter::new("center", Kind::Vector, "the center of both circles").of("length").or(Absent::Means("[0, 0]")),
-                grading("the last cell over the first, along the radius and along the arc", "[1, 1], even cells"),
+                grading("the ratio of the last to the first cell, along the radius and along the arc", "[1, 1], even cells"),
                 element(PLANE),
             ]),
             "shape and cells",
@@ -206,7 +206,7 @@ fn polygon() -> Function {
             "options",
             Kind::Options(vec![
                 Parameter::new("points", Kind::Array, "the corners `[x, y]` in their order around it, the first one once").of("length"),
-                Parameter::number("size", "length", Interval::Positive, "the length of a cell's edges, about"),
+                Parameter::number("size", "length", Interval::Positive, "the approximate length of a cell's edges"),
                 Parameter::new("names", Kind::Array, "a name for each side, from the first corner to the second and so on")
                     .or(Absent::Means("`side 1`, `side 2`, …")),
                 Parameter::new("holes", Kind::Array, "holes, each an array of its corners; their boundaries are `hole 1`, `hole 2`, …")

@@ -18,8 +18,13 @@ pub fn parameter() -> Parameter {
         Parameter::new("boundary", Kind::Either("a boundary's name or an array of names"), "where the layers are"),
         Parameter::number("first", "length", Interval::Positive, "the thickness of the layer at the boundary"),
         Parameter::new("count", Kind::Integer, "how many layers there are").within(Interval::Closed(1.0, 1000.0)),
-        Parameter::number("growth", "1", Interval::Closed(0.1, 10.0), "the thickness of each layer over that of the one before it")
-            .or(Absent::Number(1.2)),
+        Parameter::number(
+            "growth",
+            "1",
+            Interval::Closed(0.1, 10.0),
+            "the ratio of the thickness of each layer to that of the one before it",
+        )
+        .or(Absent::Number(1.2)),
         Parameter::number(
             "along",
             "length",

@@ -22,9 +22,9 @@ pub fn refine_where() -> Function {
             Parameter::new(
                 "where",
                 Kind::Either("a closure `|x, y| …`, a boundary's name or an array of names"),
-                "the condition, asked at the centers of the cells, or the boundary that they touch",
+                "the condition, evaluated at the centers of the cells, or the boundary that they touch",
             ),
-            Parameter::new("times", Kind::Integer, "how often it is done, each time with the cells that there are then")
+            Parameter::new("times", Kind::Integer, "the number of times, each with the cells of the previous one")
                 .within(Interval::Closed(0.0, 40.0))
                 .or(Absent::Integer(1)),
         ],

@@ -10,8 +10,9 @@ use crate::mesh::{Facet, Mesh};
 use crate::script::language::diagnostics::Diagnostic;
 use crate::script::language::prelude::*;
 
-/// Largest angle between a normal and a direction, and largest angle across an edge of a side: 5 and 20 degrees.
+/// Largest angle between a normal and a direction, 5 degrees.
 const SAME_DIRECTION: f64 = std::f64::consts::PI / 36.0;
+/// Largest angle across an edge of a side, 20 degrees.
 const SAME_SIDE: f64 = std::f64::consts::PI / 9.0;
 
 /// Script functions defined in this file.
@@ -53,7 +54,7 @@ fn part_where() -> Function {
         summary: "adds a part to the mesh: all cells at whose centers a condition holds; gives the mesh itself",
         parameters: vec![
             Parameter::new("name", Kind::Text, "the name of the new part"),
-            Parameter::new("condition", Kind::Closure("|x, y|"), "asked at the centers of the cells (with z in space)"),
+            Parameter::new("condition", Kind::Closure("|x, y|"), "evaluated at the centers of the cells (with z in space)"),
         ],
         returns: MeshHandle::NAME,
         example: "let plate = rectangle(#{ size: [2.0, 1.0], cells: [8, 4] });\nplate.part_where(\"left half\", |x, y| x < 1.0);\n\
@@ -82,7 +83,7 @@ fn part_where() -> Function {
             if cells.is_empty() {
                 let failure = call.argument("condition").fail(format!("the part \"{name}\" would have no cells")).code(causes::EMPTY);
                 return Err(failure
-                    .hint("the condition is asked at the centers of the cells; `print(mesh.quality())` shows the mesh")
+                    .hint("the condition is evaluated at the centers of the cells; `print(mesh.quality())` shows the mesh")
                     .into());
             }
             mesh.parts.push((name, cells));
@@ -113,7 +114,7 @@ fn boundary_by_normal() -> Function {
         name: "boundary_by_normal",
         form: Form::Method(MeshHandle::receiver()),
         topic: Topic::Meshes,
-        summary: "adds a boundary to the mesh: all facets of its hull that look in a direction; gives the mesh itself",
+        summary: "adds a boundary to the mesh: all facets of its hull that face a direction; gives the mesh itself",
         parameters: vec![
             name(),
             Parameter::new("normal", Kind::Vector, "the direction, out of the body").of("1"),
@@ -142,12 +143,12 @@ fn boundary_from() -> Function {
         name: "boundary_from",
         form: Form::Method(MeshHandle::receiver()),
         topic: Topic::Meshes,
-        summary: "adds a boundary to the mesh: the smooth side around the facet of the hull that is nearest to a point, up to edges at \
-                  which it turns sharply; gives the mesh itself",
+        summary: "adds a boundary to the mesh: the smooth side around the facet of the hull that is nearest to a point, up to sharp edges; \
+                  gives the mesh itself",
         parameters: vec![
             name(),
             Parameter::new("point", Kind::Vector, "a place on the side or near it").of("length"),
-            angle(SAME_SIDE, "the angle between facets beside each other up to which the side goes on"),
+            angle(SAME_SIDE, "the largest angle between neighboring facets of the side"),
         ],
         returns: MeshHandle::NAME,
         example: "let rod = cylinder(#{ radius: 0.5, height: 2.0, cells: [2, 32, 4], element: \"tet4\" });\n\

@@ -82,13 +82,13 @@ fn region() -> Function {
                 Parameter::new(
                     "outline",
                     Kind::Either("an array that begins with a point `[x, y]`, then points and curves, or a `circle`"),
-                    "where it begins, then the curves around it; a point alone is a straight line to it, and a line closes what is open",
+                    "the start, then the curves; a point alone is a straight line to it, and a line closes an open outline",
                 )
                 .of("length"),
                 Parameter::new(
                     "size",
                     Kind::Either("a number or a closure `|x, y| …`"),
-                    "the length of a cell's edges, about; a closure gives it by place",
+                    "the approximate length of a cell's edges; a closure gives it for each place",
                 )
                 .of("length"),
                 Parameter::new("holes", Kind::Array, "holes, each like an outline").of("length").or(Absent::Means("none")),

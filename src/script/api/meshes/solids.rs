@@ -62,7 +62,7 @@ fn tube() -> Function {
         length("height", "the length along z"),
         cells("the number of cells along the radius, around and along the height"),
         place("base", "the center of its bottom"),
-        grading("the last cell over the first, along the radius outward and along the height", "[1, 1], even cells"),
+        grading("the ratio of the last to the first cell, along the radius outward and along the height", "[1, 1], even cells"),
     ];
     Function {
         example: "let pipe = tube(#{ inner_radius: 1.0, outer_radius: 1.2, height: 4.0, cells: [2, 32, 16] });".into(),
@@ -87,7 +87,7 @@ fn cylinder() -> Function {
         length("height", "the length along z"),
         cells("the number of layers around the core, of cells around (a multiple of 4), and of cells along the height"),
         place("base", "the center of its bottom"),
-        growth("the last cell over the first, along the height"),
+        growth("the ratio of the last to the first cell, along the height"),
     ];
     Function {
         example: "let pin = cylinder(#{ radius: 0.5, height: 3.0, cells: [3, 24, 12] }).rotate(deg(90), [0.0, 0.0, 0.0], [0.0, 1.0, 0.0]);"
@@ -116,7 +116,7 @@ fn sphere() -> Function {
         length("radius", "the radius"),
         cells("the number of layers around the core, and of cells around (a multiple of 4)"),
         place("center", "the center"),
-        growth("the outermost layer over the innermost"),
+        growth("the ratio of the outermost to the innermost layer"),
     ];
     Function {
         example: "let ball = sphere(#{ radius: 0.5, cells: [3, 24], center: [0.0, 0.0, 0.5] });".into(),
@@ -139,7 +139,7 @@ fn hollow_sphere() -> Function {
         length("outer_radius", "the radius outside"),
         cells("the number of cells along the radius, and around (a multiple of 4)"),
         place("center", "the center"),
-        growth("the outermost cell over the innermost, along the radius"),
+        growth("the ratio of the outermost to the innermost cell, along the radius"),
     ];
     Function {
         example: "let balloon = hollow_sphere(#{ inner_radius: 0.9, outer_radius: 1.0, cells: [2, 32] });".into(),

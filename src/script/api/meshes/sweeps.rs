@@ -52,7 +52,7 @@ fn extrude() -> Function {
                 Parameter::number("height", "length", Interval::Positive, "how far it is drawn out along z")
                     .or(Absent::Means("the length of `path`")),
                 layers("the number of cells along the height").or(Absent::Means("one from each point of `path` to the next")),
-                growth("the last cell over the first, along the height"),
+                growth("the ratio of the last to the first cell, along the height"),
                 Parameter::new(
                     "path",
                     Kind::Array,
@@ -70,7 +70,7 @@ fn extrude() -> Function {
                 Parameter::new(
                     "scale",
                     Kind::Any,
-                    "the size of the section at the end over that at the start, a number or one for x and y",
+                    "the ratio of the size of the section at the end to that at the start, a number or one for x and y",
                 )
                 .of("1")
                 .within(Interval::Positive)
@@ -145,7 +145,7 @@ fn revolve() -> Function {
                     .or(Absent::Means("a full turn")),
                 Parameter::new("center", Kind::Vector, "a point `[x, y]` of the axis").of("length").or(Absent::Means("[0, 0]")),
                 Parameter::new("axis", Kind::Vector, "the direction `[x, y]` of the axis").of("1").or(Absent::Means("[0, 1]")),
-                growth("the last cell over the first, around"),
+                growth("the ratio of the last to the first cell, around"),
                 wedges(),
             ]),
             "turn and layers",
@@ -190,7 +190,7 @@ fn loft() -> Function {
                 Kind::Options(vec![
                     Parameter::number("height", "length", Interval::Positive, "how far above it is, along z"),
                     layers("the number of cells along the height"),
-                    growth("the last cell over the first, along the height"),
+                    growth("the ratio of the last to the first cell, along the height"),
                     wedges(),
                 ]),
                 "height and layers",

@@ -55,7 +55,7 @@ pub fn deformable_of(argument: &Argument, model: &ModelHandle) -> Result<BodyHan
     }
     let failure =
         argument.fail(format!("body \"{}\" is rigid, and its cells have no mass of their own", definition.name)).code(causes::BODY_KIND);
-    Err(failure.hint("push it at a boundary with `force`, or damp it with `add_damper` or `add_bushing`; `gravity` is on all bodies"))
+    Err(failure.hint("load a boundary of it with `force`, or damp it with `add_damper` or `add_bushing`; `gravity` is on all bodies"))
 }
 
 fn check_model(argument: &Argument, model: &ModelHandle, body: &BodyHandle) -> Result<(), Failure> {

@@ -109,7 +109,7 @@ fn boundary_of_mesh() -> Function {
         name: "boundary",
         form: Form::Method(MeshHandle::receiver()),
         topic: Topic::Meshes,
-        summary: "a boundary of the mesh, to look at; supports, loads and contact take boundaries of bodies",
+        summary: "a boundary of the mesh, for inspection; supports, loads and contact take boundaries of bodies",
         parameters: vec![name_parameter()],
         returns: BoundaryHandle::NAME,
         example: "print(rectangle(#{ size: [2.0, 1.0], cells: [4, 2] }).boundary(\"left\"));".into(),

@@ -37,8 +37,9 @@ pub fn add_bolt() -> Function {
         form: Form::Method(ModelHandle::receiver()),
         topic: Topic::Model,
         summary: "clamps points of bodies or boundaries by a bolt with a preload: while it is tightened it pulls both ends together with \
-                  the preload, whatever their distance; then its length is locked, and it is a spring about the preload. The mean of a \
-                  boundary is its end, so that it stiffens neither. The history has its `length`, `force` and `work`",
+                  the preload, whatever their distance; then its length is locked, and it is a spring about the preload. The end on a \
+                  boundary is the mean of its nodes, so that it does not stiffen the boundary. The history has its `length`, `force` and \
+                  `work`",
         parameters: vec![
             Parameter::new("name", Kind::Text, "its name, unique among springs, dampers, chambers and masses"),
             Parameter::new("options", Kind::Options(keys), "ends, preload and stiffness"),

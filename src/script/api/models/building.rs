@@ -53,8 +53,7 @@ pub fn add_body() -> Function {
             Parameter::new("name", Kind::Text, "its name, unique in the model"),
             Parameter::new("mesh", Kind::Handle(MeshHandle::NAME), "its mesh at rest"),
             Parameter::new("material", Kind::Handle(MaterialHandle::NAME), "its material"),
-            Parameter::new("formulation", Kind::Options(formulation_keys()), "how its strains are taken")
-                .or(Absent::Means("as written there")),
+            Parameter::new("formulation", Kind::Options(formulation_keys()), "its formulation").or(Absent::Means("as written there")),
         ],
         returns: BodyHandle::NAME,
         example: plate_example(
@@ -130,7 +129,7 @@ fn formulation_keys() -> Vec<Parameter> {
             "where Poisson's ratio is 0.49 or more or the material flows plastically, and the law has a volumetric part, `\"linear\"` for \
              `quad9` and `hex27` and `\"mean\"` for all others but `tri3` and `tet4`; otherwise `\"pointwise\"`",
         )),
-        Parameter::new("rigid", Kind::Flag, "whether it does not deform: of its material only the density is used").or(Absent::Flag(false)),
+        Parameter::new("rigid", Kind::Flag, "whether it is rigid: of its material only the density is used").or(Absent::Flag(false)),
     ]
 }
 
@@ -265,8 +264,7 @@ pub fn check() -> Function {
         name: "check",
         form: Form::Method(ModelHandle::receiver()),
         topic: Topic::Model,
-        summary: "checks everything about the model that can be said without computing; gives what is suspicious about its \
-                  contacts and which bodies lock, as an array of sentences",
+        summary: "checks the model without computing a step; gives an array of sentences about suspicious contacts and bodies that lock",
         parameters: Vec::new(),
         returns: "Array",
         example: plate_example("for finding in press.check() { print(finding); }"),

@@ -31,7 +31,7 @@ pub fn add_bushing() -> Function {
         form: Form::Method(ModelHandle::receiver()),
         topic: Topic::Model,
         summary: "holds a rigid body to another one, or to the ground, by stiffness and damping against all relative motions, as a rubber \
-                  mount does: what it stores is part of `potential`; the history has its `displacement`, `angle`, `force`, \
+                  mount does: its energy is part of `potential`; the history has its `displacement`, `angle`, `force`, \
                   `moment` and `energy`",
         parameters: vec![
             Parameter::new("name", Kind::Text, "its name, unique among springs, dampers, chambers and masses"),

@@ -45,7 +45,7 @@ pub fn add_chamber() -> Function {
         name: "add_chamber",
         form: Form::Method(ModelHandle::receiver()),
         topic: Topic::Model,
-        summary: "encloses gas by boundaries: its pressure follows the surface and the volume by `p V^n`, what it stores is part of \
+        summary: "encloses gas by boundaries: its pressure follows the surface and the volume by `p V^n`, its energy is part of \
                   `potential`; the history has its `volume`, `pressure` and `energy`",
         parameters: vec![
             Parameter::new("name", Kind::Text, "its name, unique among springs, dampers, chambers and masses"),

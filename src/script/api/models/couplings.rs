@@ -23,7 +23,7 @@ pub fn add_symmetry() -> Function {
         form: Form::Method(ModelHandle::receiver()),
         topic: Topic::Model,
         summary: "holds the nodes of a boundary in its plane, at any angle, and lets them slide there: a plane of symmetry, rollers on a \
-                  slope. `sim.reaction(name)` tells what it exerts, the history has it as `name.reaction.force_x` and so on",
+                  slope. `sim.reaction(name)` has its force, the history has it as `name.reaction.force_x` and so on",
         parameters: vec![name_parameter(), boundary_parameter(), normal.or(Absent::Means("that of the boundary, which must be flat"))],
         returns: "",
         example: plate_example("press.add_symmetry(\"middle\", plate.boundary(\"left\"));\nprint(press);"),
@@ -57,7 +57,7 @@ const KINDS: &[&str] = &["distributing", "rigid"];
 pub fn add_coupling() -> Function {
     let keys = vec![
         Parameter::new("boundary", Kind::Handle(BoundaryHandle::NAME), "a boundary of a body that deforms"),
-        Parameter::new("to", Kind::Handle(BodyHandle::NAME), "the rigid body that stands for the reference point: any mesh, any place"),
+        Parameter::new("to", Kind::Handle(BodyHandle::NAME), "the rigid body that is the reference point: any mesh, any place"),
         Parameter::new(
             "kind",
             Kind::Choice(KINDS),
@@ -71,8 +71,8 @@ pub fn add_coupling() -> Function {
         form: Form::Method(ModelHandle::receiver()),
         topic: Topic::Model,
         summary: "couples a boundary to a reference point, a rigid body on which forces, torques, joints, springs and motions act: its \
-                  mean motion alone (distributing), or all of its nodes (rigid). `sim.reaction(name)` tells what it exerts on the \
-                  boundary, the history has it as `name.reaction.force_x` and so on",
+                  mean motion alone (distributing), or all of its nodes (rigid). `sim.reaction(name)` has its force on the boundary, the \
+                  history has it as `name.reaction.force_x` and so on",
         parameters: vec![name_parameter(), Parameter::new("options", Kind::Options(keys), "boundary, reference body, kind")],
         returns: "",
         example: plate_example(
@@ -123,7 +123,7 @@ pub fn add_periodic() -> Function {
         topic: Topic::Model,
         summary: "lets every node of a boundary move as the node opposite to it on another one, so that the model is one cell of a \
                   pattern that goes on: a cell of a material, with a mean strain over time, or by `angle` a sector of a wheel, all sectors \
-                  moving alike. `sim.reaction(name)` tells what it exerts on `to`, the history has it as `name.reaction.force_x` and so on",
+                  moving alike. `sim.reaction(name)` has its force on `to`, the history has it as `name.reaction.force_x` and so on",
         parameters: vec![name_parameter(), Parameter::new("options", Kind::Options(keys), "what is opposite")],
         returns: "",
         example: plate_example(

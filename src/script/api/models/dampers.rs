@@ -52,7 +52,7 @@ fn law_of(options: &Options) -> Result<Viscous, Failure> {
         None => Ok(law),
         Some(speed) => {
             let force = number_text(law.force(speed).0);
-            let failure = options.argument("force").fail("the force drives where it should damp");
+            let failure = options.argument("force").fail("the force supplies energy instead of damping");
             let failure = failure.cause(format!("at v = {} it is {force}", number_text(speed)));
             Err(failure.hint("let it have the sign of `v` everywhere, and be 0 at rest: `c*v`, `c*v*abs(v)`"))
         }
@@ -67,8 +67,9 @@ pub fn add_damper() -> Function {
         name: "add_damper",
         form: Form::Method(ModelHandle::receiver()),
         topic: Topic::Model,
-        summary: "joins points of bodies, centroids of boundaries or the ground by a damper, which pulls against the speed at which its \
-                  ends part: linear, a power, or a text; the history has its `speed`, `force` and `dissipation`, the heat of each step",
+        summary: "joins points of bodies, centroids of boundaries or the ground by a damper, whose force opposes the speed at which its \
+                  ends move apart: linear, a power, or a text; the history has its `speed`, `force` and `dissipation`, the heat of each \
+                  step",
         parameters: vec![
             Parameter::new("name", Kind::Text, "its name, unique among springs, dampers, chambers and masses"),
             Parameter::new("options", Kind::Options(keys), "ends and law"),
@@ -92,13 +93,13 @@ pub fn add_damper() -> Function {
 
 /// Function `add_drag` of scripts.
 pub fn add_drag() -> Function {
-    let mut keys = vec![Parameter::new("boundary", Kind::Handle(BoundaryHandle::NAME), "the boundary that feels it")];
+    let mut keys = vec![Parameter::new("boundary", Kind::Handle(BoundaryHandle::NAME), "the boundary on which it acts")];
     keys.extend(law_parameters("force per area at speed 1, `[stress (time/length)^exponent]`"));
     Function {
         name: "add_drag",
         form: Form::Method(ModelHandle::receiver()),
         topic: Topic::Model,
-        summary: "lets what is at rest around a boundary drag at it: a force per undeformed area against the velocity of each node, \
+        summary: "applies the drag of a medium at rest to a boundary: a force per undeformed area against the velocity of each node, \
                   linear, a power, or a text in the speed; it takes momentum, and the history has its `dissipation`",
         parameters: vec![
             Parameter::new("name", Kind::Text, "its name, unique among springs, dampers, chambers and masses"),

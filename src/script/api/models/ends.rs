@@ -145,7 +145,7 @@ pub fn text_of(options: &Options, argument: &Argument, variable: &str, what: &st
         Some(_) => Err(argument
             .fail(format!("{what} has no finite value and slope at `{variable}` = 0"))
             .code(causes::OUT_OF_RANGE)
-            .hint("check the text there")),
+            .hint("check its text at this value")),
         None => Ok(function),
     }
 }

@@ -25,9 +25,9 @@ pub fn rotating_frame() -> Function {
         name: "rotating_frame",
         form: Form::Method(ModelHandle::receiver()),
         topic: Topic::Model,
-        summary: "takes all positions and velocities for those in a frame that turns: everything with a mass feels the centrifugal force, \
-                  with a potential where the velocity is constant, the Coriolis force, which does no work, and where the velocity varies \
-                  Euler's, whose work is that of a load; equilibria feel the centrifugal force alone",
+        summary: "makes all positions and velocities relative to a rotating frame: on every mass act the centrifugal force, with a \
+                  potential if the velocity is constant, the Coriolis force, which does no work, and Euler's force if the velocity varies, \
+                  whose work is that of a load; in equilibria only the centrifugal force acts",
         parameters: vec![Parameter::new("options", Kind::Options(keys), "how it turns")],
         returns: "",
         example: plate_example("press.rotating_frame(#{ velocity: 0.5, center: [1.0, 0.0] });\nprint(press);"),
@@ -37,7 +37,7 @@ pub fn rotating_frame() -> Function {
             let definition = frame_of(&options, &model)?;
             if model.0.borrow().model.parts.iter().any(|part| part.is_gyroscopic()) {
                 return Err(call
-                    .fail("the model's frame turns already")
+                    .fail("the model has a rotating frame already")
                     .code(causes::NAME_TAKEN)
                     .hint("give one velocity, about one axis")
                     .into());

@@ -29,7 +29,7 @@ pub fn add_gear() -> Function {
         form: Form::Method(ModelHandle::receiver()),
         topic: Topic::Model,
         summary: "couples the coordinates `s` of two joints exactly, as gears do, a belt, a pinion and its rack, a screw: `s_1 + ratio * \
-                  s_2` stays what it is at rest. `sim.joint(name)` tells what it exerts on the body `from` of the first joint",
+                  s_2` stays what it is at rest. `sim.joint(name)` has its action on the body `from` of the first joint",
         parameters: vec![
             Parameter::new("name", Kind::Text, "its name, unique among joints"),
             Parameter::new("options", Kind::Options(keys), "the joints, and the ratio"),

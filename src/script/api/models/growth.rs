@@ -22,13 +22,14 @@ pub fn grow() -> Function {
         form: Form::Method(BodyHandle::receiver()),
         topic: Topic::Model,
         summary: "makes the stress-free body larger or smaller by a factor while its nodes stay where they are, so that it starts \
-                  strained: a shrink fit, or warming by `1 + alpha dT`, even or, by a closure of position, uneven; its mass is kept, \
+                  strained: a shrink fit, or warming by `1 + alpha dT`, uniform or, by a closure of position, nonuniform; its mass is \
+                  kept, \
                   `settle` finds the equilibrium",
         parameters: vec![
             Parameter::new(
                 "factor",
                 Kind::Either("a number greater than 0 or a closure `|x, y| …`"),
-                "stress-free length over the present one; a closure, of z too in space, is asked once at the nodes of the mesh",
+                "stress-free length over the present one; a closure, of z too in space, is evaluated once at the nodes of the mesh",
             )
             .of("1"),
         ],

@@ -23,14 +23,14 @@ pub fn friction_options() -> Vec<Parameter> {
             "radius",
             "length",
             Interval::Positive,
-            "the radius of the bearing or ball at which a hinge or `point` with `friction` rubs",
+            "the radius of the bearing or ball at which the friction of a hinge or `point` acts",
         )
         .or(Absent::Means("the joint does not turn, or has no `friction`")),
         Parameter::number(
             "preload",
             "force",
             Interval::NonNegative,
-            "the force that presses the rubbing surfaces together besides the reaction, as in a clamped bearing; with `friction`",
+            "the force that presses the sliding surfaces together in addition to the reaction, as in a clamped bearing; with `friction`",
         )
         .or(Absent::Number(0.0)),
         Parameter::number(
@@ -85,7 +85,7 @@ pub fn friction_of(options: &Options, joint: &JointDefinition, dimension: usize)
     if rotates && friction.coefficient > 0.0 && !given("radius") {
         let hint = "give the radius of the bearing, such as `radius: 0.01`; a friction moment that does not depend on the force is \
                     `friction_moment`";
-        return refused("friction", "needs `radius`: the force rubs at the radius of the bearing".into(), hint);
+        return refused("friction", "needs `radius`: the friction force acts at the radius of the bearing".into(), hint);
     }
     if let Some(key) = ["preload", "radius"].into_iter().find(|key| friction.coefficient == 0.0 && given(key)) {
         return refused(key, "needs `friction`, by which it is multiplied".into(), "give the coefficient, such as `friction: 0.2`");

@@ -33,7 +33,7 @@ pub fn add_rigid_body() -> Function {
         summary: "adds a body that does not deform: its mass and inertia are those of its mesh, or given by numbers",
         parameters: vec![
             Parameter::new("name", Kind::Text, "its name, unique in the model"),
-            Parameter::new("mesh", Kind::Handle(MeshHandle::NAME), "its mesh at rest: what it looks like, and its surface"),
+            Parameter::new("mesh", Kind::Handle(MeshHandle::NAME), "its undeformed mesh: its shape in pictures, and its surface"),
             Parameter::new(
                 "options",
                 Kind::Options(vec![
@@ -93,9 +93,8 @@ fn mass_of(options: &Options, mesh: &Mesh) -> Result<(Material, Inertia), Failur
     let density = match (density, mass) {
         (None, None) => {
             let failure = argument.fail("a rigid body needs a mass").code(causes::OPTIONS_TOGETHER);
-            return Err(
-                failure.hint("give `density`, with which its mesh is weighed, or `mass` and, if it is not that of the mesh, `inertia`")
-            );
+            return Err(failure
+                .hint("give `density`, from which the mass of its mesh follows, or `mass` and, if it is not that of the mesh, `inertia`"));
         }
         (Some(_), Some(_)) => {
             let failure = argument.fail("`density` and `mass` say the same thing twice").code(causes::OPTIONS_TOGETHER);
@@ -303,7 +302,7 @@ fn set_length(options: &Options, joint: &mut JointDefinition) -> Result<(), Fail
         _ => Err(argument
             .fail("only a cable has a `length`")
             .code(causes::OPTIONS_TOGETHER)
-            .hint("leave it out: a link keeps the distance of its points at rest")),
+            .hint("leave it out: a link keeps the distance of its points in the undeformed model")),
     }
 }
 

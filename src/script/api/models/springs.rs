@@ -30,7 +30,7 @@ pub fn add_spring() -> Function {
         form: Form::Method(ModelHandle::receiver()),
         topic: Topic::Model,
         summary: "joins points of bodies, centroids of boundaries or the ground by a spring, linear, by a table or by an energy as text in \
-                  the elongation `length - rest_length`: what it stores is part of `potential`, the history has its `length`, `force` and \
+                  the elongation `length - rest_length`: its energy is part of `potential`, the history has its `length`, `force` and \
                   `energy`",
         parameters: vec![
             Parameter::new("name", Kind::Text, "its name, unique among springs, dampers, chambers and masses"),
@@ -65,8 +65,12 @@ fn law_parameters(of_stiffness: &'static str, stiffness: &'static str) -> [Param
         optional("table", Kind::Array, "points `[elongation, force]` with increasing elongations, linear between them and beyond"),
         optional("energy", Kind::Text, "the energy as text in the elongation `x`, such as `\"k/2*x^2 + c/4*x^4\"`"),
         constants_parameter(),
-        Parameter::new("sides", Kind::Choice(SIDES), "which elongations it feels: a cable has `\"tension\"`, a stop `\"compression\"`")
-            .or(Absent::Text("both")),
+        Parameter::new(
+            "sides",
+            Kind::Choice(SIDES),
+            "the elongations at which it acts: a cable has `\"tension\"`, a stop `\"compression\"`",
+        )
+        .or(Absent::Text("both")),
     ]
 }
 

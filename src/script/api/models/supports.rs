@@ -42,7 +42,7 @@ pub fn prescribe() -> Function {
         name: "prescribe",
         form: Form::Method(ModelHandle::receiver()),
         topic: Topic::Model,
-        summary: "moves the nodes of a boundary in given directions as time functions say, or turns them about a point (in space: about \
+        summary: "moves the nodes of a boundary in given directions by time functions, or turns them about a point (in space: about \
                   the axis through it) and moves them along",
         parameters: vec![boundary_parameter(), Parameter::new("motion", Kind::Options(motion_options()), "the motion over time")],
         returns: "",

@@ -82,7 +82,7 @@ fn warn(call: &Call, buckling: &Buckling) {
     let warning = |title: String| Diagnostic::warning(title, call.place(&Target::Call));
     if !buckling.is_complete {
         let title = "load factors may be missing: those below the last could not be counted".to_string();
-        call.host.warn(warning(title).code("C0726").hint("ask for a few more with `count`"));
+        call.host.warn(warning(title).code("C0726").hint("request a few more with `count`"));
     }
     let off = buckling.nonlinearity;
     if off > LINEAR_STATE {
@@ -101,8 +101,8 @@ fn refused(call: &Call, handle: &SimulationHandle, error: BucklingError) -> Fail
         BucklingError::Matrix(error) => modes::refused(call, handle, error),
         BucklingError::Follows { .. } => call.fail(title).hint("`sim.follow_load` finds where stability is lost under such loads"),
         BucklingError::Unloaded => call.fail(title).hint("load the model and call `sim.settle()` before"),
-        BucklingError::Loose => call.fail(title).hint("hold every body with `fix`, or let contacts hold it that press"),
-        BucklingError::NotFound { .. } => call.fail(title).hint("turn the load around, or ask for fewer with `count`"),
+        BucklingError::Loose => call.fail(title).hint("hold every body with `fix` or by closed contacts"),
+        BucklingError::NotFound { .. } => call.fail(title).hint("reverse the load, or request fewer with `count`"),
     };
     failure.code(code)
 }
@@ -143,7 +143,7 @@ fn shape() -> Function {
                 let failure = argument
                     .fail(format!("there is no shape {number}: they are numbered from 0 to {}", shapes.len() - 1))
                     .code(causes::NO_SUCH);
-                return Err(failure.hint("ask for more with `count` of `sim.buckling`").into());
+                return Err(failure.hint("request more with `count` of `sim.buckling`").into());
             };
             let dimension = handle.simulation.0.model.model.dimension();
             Ok(modes::shape_array(&shape[index], dimension))

@@ -21,7 +21,7 @@ pub fn functions() -> Vec<Function> {
 }
 
 fn mass_parameter() -> Parameter {
-    let summary = "how the mass of a cell is shared among its nodes: by `row_sum`, by its diagonal (`hrz`, always positive), or by row \
+    let summary = "the distribution of a cell's mass among its nodes: by `row_sum`, by its diagonal (`hrz`, always positive), or by row \
                    sums where all of these are positive, else by the diagonal";
     Parameter::new("mass", Kind::Choice(MASSES), summary).or(Absent::Text(MASSES[0]))
 }
@@ -59,7 +59,7 @@ fn stable_step() -> Function {
         form: Form::Function,
         topic: Topic::Simulation,
         summary: "the longest step of `central_differences` that is stable for a model as it begins, 2 over the largest angular frequency; \
-                  take a tenth less: cells that are compressed on the way need shorter ones",
+                  take a tenth less: cells that are compressed need shorter steps",
         parameters: vec![Parameter::new("model", Kind::Handle(ModelHandle::NAME), "the model"), options_parameter()],
         returns: "number",
         example: format!("{FLIGHT}print(stable_step(flight));\nprint(stable_step(flight, #{{ mass: \"hrz\" }}));").into(),
@@ -102,7 +102,7 @@ fn now(call: &Call) -> Result<Map, Failure> {
     if simulation.options().integrator.lumping().is_none() {
         let name = simulation.options().integrator.name;
         let failure = call.fail(format!("`{name}` has no longest stable step: its steps solve equations")).code(causes::BODY_KIND);
-        return Err(failure.hint("`stable_step(model)` tells that of `central_differences` for a model"));
+        return Err(failure.hint("`stable_step(model)` returns that of `central_differences` for a model"));
     }
     let found = simulation.stable_step();
     drop(simulation);

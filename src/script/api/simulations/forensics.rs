@@ -129,8 +129,8 @@ fn why() -> Function {
         name: "why",
         form: Form::Method(SimulationHandle::receiver()),
         topic: Topic::Simulation,
-        summary: "why the last step that failed did so: its iterations with residual, gap violation and changes of the contact set, \
-                  the worst node, the cause, and how to mend it",
+        summary: "the report of the last failed step: its iterations with residual, gap violation and changes of the contact set, \
+                  the worst node, the cause, and a remedy",
         parameters: Vec::new(),
         returns: FailedStepHandle::NAME,
         example: flight_example("print(sim.why());"),

@@ -365,6 +365,6 @@ pub fn result_used(name: &str) -> Failure {
 pub fn busy(call: &Call) -> Failure {
     call.fail("the simulation is in the middle of a step")
         .code(causes::TIME)
-        .cause("a time function is asked while the step is computed, so there is no state to look at")
+        .cause("a time function is evaluated while the step is computed, so there is no state to look at")
         .hint("compute with the parameter `t` only; `sim.on_step(|sim| …)` runs between steps")
 }

@@ -129,7 +129,7 @@ fn asked_for(handle: &SimulationHandle, call: &Call, options: &Options, unit: f6
         (true, false) => Excitation::Force { on: boundary_of(handle, &boundary)?, vector: force.vector(dimension)? },
         (false, true) if !boundary.is_given() && !force.is_given() => Excitation::Base(base.vector(dimension)?),
         _ => {
-            let failure = call.fail("`harmonic_response` needs one thing that swings").code(causes::COUNT);
+            let failure = call.fail("`harmonic_response` needs one excitation").code(causes::COUNT);
             return Err(failure.hint("give `boundary` and `force`, or `base`"));
         }
     };
@@ -163,11 +163,11 @@ fn refused(call: &Call, handle: &SimulationHandle, error: HarmonicError, unit: f
     let failure = match error {
         HarmonicError::Matrix(error) => modes::refused(call, handle, error),
         HarmonicError::Resonance { frequency } => call
-            .fail(format!("the response at the frequency {} grows without bound: nothing damps it", in_script(frequency)))
+            .fail(format!("the response at the frequency {} grows without bound: it is not damped", in_script(frequency)))
             .hint("give a damping, such as `loss_factor: 0.02`, or another frequency"),
         HarmonicError::NotFound { frequency, vectors } => call
             .fail(format!("the response at the frequency {} was not found with {vectors} vectors", in_script(frequency)))
-            .hint("ask for lower frequencies: so high ones the mesh does not resolve"),
+            .hint("request lower frequencies: the mesh does not resolve such high ones"),
         HarmonicError::Nothing => call.fail(error.to_string()).hint("give a force on a boundary that may move"),
     };
     failure.code(code)

@@ -37,7 +37,7 @@ fn history() -> Function {
         name: "history",
         form: Form::Property(SimulationHandle::receiver()),
         topic: Topic::Results,
-        summary: "what every accepted step did, as columns: `sim.history.total`",
+        summary: "the rows of all accepted steps, as columns: `sim.history.total`",
         parameters: Vec::new(),
         returns: HistoryHandle::NAME,
         example: flight_example("sim.step(3);\nprint(sim.history.total);"),

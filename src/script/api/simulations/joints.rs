@@ -162,7 +162,7 @@ fn joint() -> Function {
         name: "joint",
         form: Form::Method(SimulationHandle::receiver()),
         topic: Topic::Results,
-        summary: "what a joint exerts on the body that it holds (a mean over the last step), and where it is",
+        summary: "the action of a joint on the body `from` (a mean over the last step), and its position",
         parameters: vec![Parameter::new("name", Kind::Text, "its name")],
         returns: JointHandle::NAME,
         example: example("print(sim.joint(\"hinge\"));"),
@@ -176,7 +176,11 @@ fn joint() -> Function {
             }
             let found = handle.with(call, |simulation| (simulation.joint(&name), simulation.time(), simulation.dimension()))?;
             let (Some(load), time, dimension) = found else {
-                return Err(call.fail(format!("nothing is known of joint \"{name}\"")).code(causes::NO_SUCH).hint("take a step").into());
+                return Err(call
+                    .fail(format!("joint \"{name}\" has no values before the first step"))
+                    .code(causes::NO_SUCH)
+                    .hint("take a step")
+                    .into());
             };
             let acting = handle.0.script_time(load.time);
             Ok(Dynamic::from(JointHandle { name, time, acting, dimension, load, told: ScriptOutput::of(&handle) }))

@@ -32,8 +32,9 @@ pub struct ModesData {
     modes: Modes,
     /// Simulation, in whose folder files are written.
     simulation: SimulationHandle,
-    /// Bodies in the state of the search, with zero displacement, and the obstacles.
+    /// Bodies in the state of the search, with zero displacement.
     bodies: Vec<BodyFields>,
+    /// Obstacles in the state of the search.
     obstacles: Vec<PlacedObstacle>,
     /// Ratio of the script's unit of time to that of the solver.
     unit: f64,
@@ -96,7 +97,7 @@ impl ModesHandle {
                 let failure = argument
                     .fail(format!("there is no mode {number}: they are numbered from 0 to {}", modes.len() - 1))
                     .code(causes::NO_SUCH);
-                Err(failure.hint("ask for more with `count` of `sim.modes`"))
+                Err(failure.hint("request more with `count` of `sim.modes`"))
             }
         }
     }
@@ -220,8 +221,8 @@ pub(super) fn refused(call: &Call, handle: &SimulationHandle, error: ModesError)
             .cause("supports, ties, closed contacts and sticking friction hold some nodes more than once")
             .hint("leave one of them out, or give the contact a `penalty`"),
         ModesError::TooMany { motions: 0, .. } => call.fail(title).hint("free some of the boundaries"),
-        ModesError::TooMany { motions, .. } => call.fail(title).hint(format!("ask for at most {motions} with `count`")),
-        ModesError::NotFound { .. } => call.fail(title).hint("ask for fewer with `count`, or refine the mesh"),
+        ModesError::TooMany { motions, .. } => call.fail(title).hint(format!("request at most {motions} with `count`")),
+        ModesError::NotFound { .. } => call.fail(title).hint("request fewer with `count`, or refine the mesh"),
     };
     failure.code(code)
 }
@@ -236,13 +237,14 @@ fn warn(call: &Call, handle: &SimulationHandle, modes: &Modes, sliding: usize) {
             many => format!("the state is unstable: small motions grow in the shapes of the first {many} modes"),
         };
         let cause = "the square of their frequency is negative, as where a structure buckles or is no equilibrium";
-        call.host
-            .warn(warning(title).code("C0705").cause(cause).hint("`growths` tells how fast; `settle` under a smaller load for vibrations"));
+        call.host.warn(
+            warning(title).code("C0705").cause(cause).hint("`growths` has the growth rates; for vibrations `settle` under a smaller load"),
+        );
     }
     if !modes.is_complete {
         let title = "it could not be counted whether modes between these are missing".to_string();
         call.host.warn(
-            warning(title).code("C0706").cause("the factors of the shifted matrix had replaced pivots").hint("ask for another `count`"),
+            warning(title).code("C0706").cause("the factors of the shifted matrix had replaced pivots").hint("request another `count`"),
         );
     }
     if modes.asymmetry > 0.0 {

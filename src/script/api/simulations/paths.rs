@@ -26,8 +26,9 @@ const MOST: f64 = 100_000.0;
 #[derive(Clone)]
 pub struct PathHandle {
     path: Rc<Path>,
-    /// Rows of the path, with times in the units of the script, and the history before the path.
+    /// Rows of the path, with times in the units of the script.
     rows: Rc<Vec<LedgerRow>>,
+    /// History before the path.
     before: History,
     simulation: SimulationHandle,
 }

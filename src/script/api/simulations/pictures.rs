@@ -62,17 +62,22 @@ pub(super) fn keys() -> Vec<Parameter> {
             "no arrows",
         ),
         optional("vector_unit", Kind::Text, "your unit of the arrows", "that of `units`"),
-        Parameter::new("scale", Kind::Choice(names!(Measure::ALL)), "what tells lengths: a scale bar, or axes with numbers (in the plane)")
-            .or(Absent::Text("bar")),
+        Parameter::new(
+            "scale",
+            Kind::Choice(names!(Measure::ALL)),
+            "the indicator of lengths: a scale bar, or axes with numbers (in the plane)",
+        )
+        .or(Absent::Text("bar")),
         optional("length_unit", Kind::Text, "your unit of lengths: `\"mm\"`", "that of `units`"),
         optional(
             "view",
             Kind::Either("a direction's name or a vector from the bodies to the viewer"),
-            "from where bodies in space are seen: `\"iso\"`, `\"front\"`, `\"back\"`, `\"left\"`, `\"right\"`, `\"top\"`, `\"bottom\"`, or \
+            "the direction from which bodies in space are seen: `\"iso\"`, `\"front\"`, `\"back\"`, `\"left\"`, `\"right\"`, `\"top\"`, \
+             `\"bottom\"`, or \
              a vector such as `[1, -2, 1]`",
             "\"iso\"",
         ),
-        Parameter::new("up", Kind::Choice(AXES), "the axis that points to the sky in space").or(Absent::Text("z")),
+        Parameter::new("up", Kind::Choice(AXES), "the axis that points up in pictures of bodies in space").or(Absent::Text("z")),
         optional(
             "section",
             Kind::Options(vec![
@@ -165,7 +170,7 @@ pub(super) fn shown(options: &Options, data: &SimulationData) -> Result<PictureO
             .fail("bodies in space have no axes with numbers")
             .code(causes::DIMENSION)
             .cause("lengths along the line of sight cannot be read off");
-        return Err(failure.hint("use `scale: \"bar\"`; the triad tells the directions"));
+        return Err(failure.hint("use `scale: \"bar\"`; the triad shows the directions"));
     }
     let vectors = text("vectors")?;
     let vectors = Vectors::ALL.iter().find(|row| row.0 == vectors).map(|row| row.2);

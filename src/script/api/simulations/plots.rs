@@ -28,16 +28,12 @@ fn plot_options() -> Vec<Parameter> {
         |name, default, summary| Parameter::number(name, "pixels", Interval::Closed(240.0, 10000.0), summary).or(Absent::Number(default));
     vec![
         optional("title", Kind::Text, "the text above", "name of the simulation, or none"),
-        optional("x_label", Kind::Text, "what the axis to the right says, with your unit: `\"time [ms]\"`", "the column in words"),
-        optional("y_label", Kind::Text, "what the axis upwards says, with your unit: `\"force [kN]\"`", "the column in words"),
-        optional("x_range", Kind::Array, "the values at the ends of the axis to the right", "those of the curves"),
-        optional("y_range", Kind::Array, "the values at the ends of the axis upwards", "those of the curves"),
-        Parameter::new(
-            "log",
-            Kind::Choice(&["none", "x", "y", "xy"]),
-            "which axes are logarithmic; what is not positive leaves a gap there",
-        )
-        .or(Absent::Text("none")),
+        optional("x_label", Kind::Text, "the label of the horizontal axis, with your unit: `\"time [ms]\"`", "the column in words"),
+        optional("y_label", Kind::Text, "the label of the vertical axis, with your unit: `\"force [kN]\"`", "the column in words"),
+        optional("x_range", Kind::Array, "the values at the ends of the horizontal axis", "those of the curves"),
+        optional("y_range", Kind::Array, "the values at the ends of the vertical axis", "those of the curves"),
+        Parameter::new("log", Kind::Choice(&["none", "x", "y", "xy"]), "the logarithmic axes; values that are not positive leave a gap")
+            .or(Absent::Text("none")),
         size("width", 720.0, "the width; a PNG has twice as many pixels"),
         size("height", 420.0, "the height; a PNG has twice as many pixels"),
     ]
@@ -46,8 +42,8 @@ fn plot_options() -> Vec<Parameter> {
 /// Function `sim.plot` of scripts.
 pub(super) fn plot() -> Function {
     let mut keys = vec![
-        optional("x", Kind::Text, "the column to the right", "\"time\""),
-        optional("labels", Kind::Array, "what the legend calls the columns, one string each", "their names in words"),
+        optional("x", Kind::Text, "the column of the horizontal axis", "\"time\""),
+        optional("labels", Kind::Array, "the labels of the columns in the legend, one string each", "their names in words"),
     ];
     keys.extend(plot_options());
     Function {

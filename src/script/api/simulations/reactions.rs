@@ -43,7 +43,7 @@ impl Handle for ReactionHandle {
 pub fn functions() -> Vec<Function> {
     vec![
         reaction(),
-        property("force", "Array", "the resultant of what the supports exert on the boundary, a mean over the last step", |reaction| {
+        property("force", "Array", "the resultant of the support forces on the boundary, a mean over the last step", |reaction| {
             reaction.reaction.force[..reaction.dimension].iter().map(|&value| value.into()).collect::<Array>().into()
         }),
         property("moment", "", "its moment about the origin: a number in the plane, an array in space", ReactionHandle::moment),
@@ -55,7 +55,8 @@ fn reaction() -> Function {
         name: "reaction",
         form: Form::Method(SimulationHandle::receiver()),
         topic: Topic::Results,
-        summary: "what `fix` and `prescribe` exert on a boundary, in the history as columns `body.boundary.reaction.force_x` and so on, or \
+        summary: "the forces of `fix` and `prescribe` on a boundary, in the history as columns `body.boundary.reaction.force_x` and so on, \
+                  or \
                   a symmetry on its nodes, a periodic pair on its second boundary",
         parameters: vec![Parameter::new(
             "boundary",
@@ -84,7 +85,7 @@ fn reaction() -> Function {
                 .with_row(call, |simulation| (simulation.row().reactions.get(index).copied(), simulation.time(), simulation.dimension()))?;
             let (Some(reaction), time, dimension) = found else {
                 let failure = call.fail(format!("the reaction of \"{boundary}\" is not known before the first step")).code(causes::TIME);
-                return Err(failure.hint("take a step, or bring the model to rest by `sim.settle()`").into());
+                return Err(failure.hint("take a step, or compute an equilibrium by `sim.settle()`").into());
             };
             Ok(Dynamic::from(ReactionHandle { boundary, time, dimension, reaction, told: ScriptOutput::of(&handle) }))
         }),

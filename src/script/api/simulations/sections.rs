@@ -51,7 +51,7 @@ pub fn functions() -> Vec<Function> {
         property(
             "force",
             "Array",
-            "what the material in front of the plane exerts on that behind it, positive along the normal in tension",
+            "the force of the material in front of the plane on that behind it, positive along the normal in tension",
             |section| vector(&section.section.force, section.dimension),
         ),
         property("moment", "", "its moment about the origin: a number in the plane, an array in space", |section| {
@@ -75,8 +75,8 @@ fn section_force() -> Function {
         name: "section_force",
         form: Form::Method(SimulationHandle::receiver()),
         topic: Topic::Results,
-        summary: "the cut force of a body across a plane of the undeformed body: what the cells in front of it, towards which the normal \
-                  points, exert on the others. A cell is in front if its centroid is, so that the section follows the sides of cells; its \
+        summary: "the cut force of a body across a plane of the undeformed body: the force of the cells in front of it, towards which the \
+                  normal points, on the others. A cell is in front if its centroid is, so that the section follows the sides of cells; its \
                   force is the sum of their nodal forces of stress, weight and inertia, and balances loads and reactions of each part \
                   exactly. Loads on nodes of the section act on the part behind it. A plane that cuts a body at several places gives \
                   their sum",
@@ -100,7 +100,7 @@ fn section_force() -> Function {
                     .fail(format!("body \"{}\" is rigid: it has no stresses", definition.name))
                     .code(causes::BODY_KIND);
                 return Err(failure
-                    .hint("`sim.joint(name)`, `sim.contact(name)` and `sim.reaction(boundary)` tell what acts on it")
+                    .hint("`sim.joint(name)`, `sim.contact(name)` and `sim.reaction(boundary)` have the forces on it")
                     .into());
             }
             if direction == [0.0; 3] {

@@ -66,7 +66,7 @@ fn simulate() -> Function {
                                 "tolerance",
                                 "1",
                                 Interval::Open(0.0, 1.0),
-                                "Newton's tolerance: the energy that the residual can still move, relative to the energy scale",
+                                "Newton's tolerance: the energy of the residual, relative to the energy scale",
                             )
                             .or(Absent::Number(NEWTON_ENERGY)),
                             Parameter::new(
@@ -201,8 +201,7 @@ fn warn_of_bodies(call: &Call, model: &Model) {
         for weakness in of_text.iter().filter(|weakness| !matches!(weakness, Weakness::EnergyAtRest(_))) {
             let title = format!("the law of body \"{}\" is not sound at rest: {weakness}", body.name);
             let warning = Diagnostic::warning(title, call.place(&Target::Call)).code("C0322");
-            call.host
-                .warn(warning.hint("mend its energy, such as with `I1bar` in place of `I1`; `material.check()` tells all that is wrong"));
+            call.host.warn(warning.hint("mend its energy, such as with `I1bar` in place of `I1`; `material.check()` reports all faults"));
         }
     }
     let falling: Vec<String> = model.falling().into_iter().map(|body| format!("\"{}\"", body.name)).collect();
@@ -247,9 +246,9 @@ fn check_joints(call: &Call, model: &ModelData, simulation: &Simulation) -> Resu
         if let Some((body, number, place)) = node {
             warning = warning.cause(format!("the first is that of node {number} of body \"{body}\", at {}", brief_vector(&place[..2])));
         }
-        call.host.warn(
-            warning.hint("tie surfaces once, and leave supports to one of two tied surfaces; nothing is lost unless supports part them"),
-        );
+        call.host.warn(warning.hint(
+            "tie surfaces once, and support only one of two tied surfaces; results are the same unless supports move the surfaces apart",
+        ));
     }
     for joint in &model.model.joints {
         let Some(time) = joint.jump() else { continue };
@@ -263,9 +262,8 @@ fn check_joints(call: &Call, model: &ModelData, simulation: &Simulation) -> Resu
         let title = format!("the initial velocities do not fit joint \"{name}\": what it holds would part at {}", brief(rate));
         let warning = Diagnostic::warning(title, call.place(&Target::Call));
         let cause = "the first step makes them fit, and the velocities at the ends of steps swing about the right ones from then on";
-        call.host.warn(
-            warning.code("C0175").cause(cause).hint("give every body of a mechanism the velocity and the spin that its joints leave it"),
-        );
+        call.host
+            .warn(warning.code("C0175").cause(cause).hint("give every body of a mechanism a velocity and a spin that its joints permit"));
     }
     Ok(())
 }

@@ -95,7 +95,8 @@ pub fn auto() -> Function {
         form: Form::Function,
         topic: Topic::Simulation,
         summary: "steps that choose their size, for `dt` of `simulate`: the error of the positions grows by no more than `tolerance` times \
-                  the way that the bodies go, as far as it can be estimated (`docs/integrators.md`); steps end where a time function has a \
+                  the path length of the bodies, as far as it can be estimated (`docs/integrators.md`); steps end where a time function \
+                  has a \
                   kink, where frames of the fields are written and where `run_to` stops",
         parameters: vec![
             Parameter::new(
@@ -105,15 +106,28 @@ pub fn auto() -> Function {
                         "tolerance",
                         "1",
                         Interval::Open(0.0, 1.0),
-                        "growth of the error over the way that the fastest body goes, both as root mean squares over the mass of a body",
+                        "the growth of the error relative to the path length of the fastest body, both as root mean squares over the mass \
+                         of a body",
                     )
                     .or(Absent::Number(STEP_ERROR)),
                     Parameter::number("first", "time", Interval::Positive, "the size of the first step")
                         .or(Absent::Means("the root of `tolerance` times the time that sound takes across the smallest cells")),
-                    Parameter::number("smallest", "time", Interval::Positive, "the smallest size; what is too wrong then is accepted")
-                        .or(Absent::Means("a millionth of the first step")),
-                    Parameter::number("largest", "time", Interval::Positive, "the largest size: a part of what must be seen")
-                        .or(Absent::Means("no bound")),
+                    Parameter::number(
+                        "smallest",
+                        "time",
+                        Interval::Positive,
+                        "the smallest size; at this size steps with larger errors \
+                    are accepted",
+                    )
+                    .or(Absent::Means("a millionth of the first step")),
+                    Parameter::number(
+                        "largest",
+                        "time",
+                        Interval::Positive,
+                        "the largest size: a fraction of the shortest event to be \
+                    resolved",
+                    )
+                    .or(Absent::Means("no bound")),
                     Parameter::number(
                         "plastic_strain",
                         "1",

@@ -27,7 +27,7 @@ pub fn compare() -> Function {
         name: "compare",
         form: Form::Function,
         topic: Topic::Studies,
-        summary: "how far two curves are apart where both are known, linear between their points: a map with the largest difference `max` \
+        summary: "the distance of two curves in their common range, linear between their points: a map with the largest difference `max` \
                   (its size, in the unit of y) and where it is, `at` (in that of x); `mean`, `mean_square` and `rms` of the difference \
                   over the range; `relative`, which is `rms` over that of the first curve; the range, `from` and `to`. Of two \
                   simulations all columns of their histories are compared over time: a map of such maps by their names",
@@ -109,7 +109,7 @@ fn between(options: &Options, a: &[[f64; 2]], b: &[[f64; 2]]) -> Result<Distance
     let range = |curve: &[[f64; 2]]| format!("from {} to {}", brief(curve[0][0]), brief(curve[curve.len() - 1][0]));
     let call = options.argument("from").call().fail("the curves have no range in common").code(causes::EMPTY);
     let apart = || call.clone().cause(format!("the first one goes {}", range(a))).cause(format!("the second one goes {}", range(b)));
-    let Some([mut first, mut last]) = overlap(a, b) else { return Err(apart().hint("see that both have the same unit")) };
+    let Some([mut first, mut last]) = overlap(a, b) else { return Err(apart().hint("check that both have the same unit")) };
     if let Some(from) = options.optional_number("from")? {
         first = first.max(from);
     }
@@ -173,7 +173,7 @@ fn curve(argument: &Argument) -> Result<Vec<[f64; 2]>, Failure> {
         };
         if x.len() != y.len() {
             let failure = argument.fail("`x` and `y` of a curve must have the same length").code(causes::COUNT);
-            return Err(failure.cause(format!("`x` has {} numbers, `y` has {}", x.len(), y.len())).hint("give a value for every place"));
+            return Err(failure.cause(format!("`x` has {} numbers, `y` has {}", x.len(), y.len())).hint("give one `y` for each `x`"));
         }
         return rising(argument, x.into_iter().zip(y).map(|(x, y)| [x, y]).collect());
     }
@@ -200,7 +200,7 @@ fn rising(argument: &Argument, points: Vec<[f64; 2]>) -> Result<Vec<[f64; 2]>, F
         match curve.last_mut() {
             Some(last) if last[0] == x => last[1] = y,
             Some(last) if last[0] > x => {
-                let failure = argument.fail("the places of a curve must rise").code(causes::ORDER);
+                let failure = argument.fail("the places `x` of a curve must increase").code(causes::ORDER);
                 let failure = failure.cause(format!("after {} comes {}", brief(last[0]), brief(x)));
                 return Err(failure.hint("sort the points: `points.sort(|a, b| if a[0] < b[0] { -1 } else { 1 })`"));
             }

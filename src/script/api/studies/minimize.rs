@@ -103,7 +103,7 @@ fn run_minimize(call: &Call) -> Result<Dynamic, Box<EvalAltResult>> {
         return Err(failure.into());
     }
     drop(worker_pool);
-    let end = end?.ok_or_else(|| call.fail("these numbers make no search").hint("choose a `tolerance` below `step`"))?;
+    let end = end?.ok_or_else(|| call.fail("these numbers define no search").hint("choose a `tolerance` below `step`"))?;
     evaluations.warn(end, &search);
     Ok(evaluations.found(end, &search).into())
 }
@@ -129,7 +129,7 @@ fn search(options: &Options) -> Result<(Vec<String>, Search), Failure> {
         }
         if name == FAILURE || name == "value" || name == "evaluation" {
             return Err(argument
-                .fail(format!("`{name}` cannot be searched for: rows of the course have it"))
+                .fail(format!("`{name}` is not available as a variable: the rows of the search have a column of this name"))
                 .code(causes::NAME_TAKEN)
                 .hint("choose another name"));
         }

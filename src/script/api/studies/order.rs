@@ -212,7 +212,7 @@ impl Results for Found {
             Some(numbers) => self.results.push(numbers),
             None => {
                 self.is_over = true;
-                return Err(Failure::new(Class::Check, "a result is none"));
+                return Err(Failure::new(Class::Check, "a result has no numbers"));
             }
         }
         Ok(())

@@ -110,8 +110,10 @@ fn run_sweep(call: &Call) -> Result<Dynamic, Box<EvalAltResult>> {
     let stops = options.text("failures")? == "stop";
     let names: Vec<&str> = points[0].iter().map(|(name, _)| name.as_str()).collect();
     if let Some(name) = names.iter().find(|name| **name == FAILURE) {
-        let failure =
-            options.argument("vary").fail(format!("`{name}` cannot be varied: rows say there why a point failed")).code(causes::NAME_TAKEN);
+        let failure = options
+            .argument("vary")
+            .fail(format!("`{name}` cannot be varied: this column has the cause of a failure"))
+            .code(causes::NAME_TAKEN);
         return Err(failure.hint("choose another name").into());
     }
     not_in_check(call, format!("would compute {} points of {}", points.len(), listed(&names, "and")))?;
@@ -182,7 +184,7 @@ impl Results for Rows<'_> {
         if let Some((name, _)) = results.iter().find(|(name, _)| is_taken(name)) {
             let failure =
                 self.options.argument("run").fail(format!("the closure gives `{name}`, which rows have already")).code(causes::CLOSURE);
-            let failure = failure.cause(format!("rows have the point's values and `{FAILURE}`, which says why a point failed"));
+            let failure = failure.cause(format!("rows have the point's values and `{FAILURE}`, the cause of a failure"));
             return Err(failure.hint("choose another name"));
         }
         self.record.add(point.iter().chain(&results), &failure)?;
@@ -206,7 +208,7 @@ impl Rows<'_> {
         };
         let first = format!("{}: {}", described(&self.points[*index]), message.line(&self.call.host.sources));
         let warning = Diagnostic::warning(title, self.call.place(&Target::Call)).code("C1061").cause(first);
-        self.call.host.warn(warning.hint("rows say why in `failure`; `failures: \"stop\"` ends the script at the first one"));
+        self.call.host.warn(warning.hint("the column `failure` has the causes; `failures: \"stop\"` ends the script at the first failure"));
     }
 
     /// Returns the rows for the script, all with equal keys; `()` for missing values.

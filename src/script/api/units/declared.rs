@@ -92,8 +92,8 @@ pub fn units() -> Function {
         form: Form::Function,
         topic: Topic::Numbers,
         summary: "declares the consistent units in which the numbers of the script are, once, at its top: plots, reports, tables and files \
-                  name them, `quantity` and its short forms convert to them, and what no solid has in them is warned of; nothing is \
-                  computed otherwise",
+                  name them, `quantity` and its short forms convert to them, and implausible material constants cause a warning; computed \
+                  numbers do not change",
         parameters: names.collect(),
         returns: "",
         example:

@@ -43,7 +43,7 @@ fn quantity() -> Function {
         name: "quantity",
         form: Form::Function,
         topic: Topic::Numbers,
-        summary: "a quantity with its unit as a number in the units that the script has declared with `units`; angles need no declaration",
+        summary: "a quantity with a unit, converted to the units declared with `units`; angles need no declaration",
         parameters: vec![value_parameter("the number before the unit, or an array of numbers entry by entry"), unit_parameter()],
         returns: "number",
         example: "units(\"mm-N-t\");\nprint(quantity(210, \"GPa\")); // 210000\nprint(quantity(7850, \"kg/m^3\")); // 7.85e-9\n\
@@ -96,7 +96,8 @@ fn converted(call: &Call, unit: &Unit, convert: fn(&UnitSet, f64, &Unit) -> f64)
         // Angles are pure numbers in all sets of units.
         None if unit.dimension == Dimension::default() => UnitSet::si(),
         None => {
-            let failure = call.fail(format!("{} does not know the units of this script", call.function.title())).code("C1078");
+            let failure =
+                call.fail(format!("{} needs the units of this script, which are not declared", call.function.title())).code("C1078");
             let hint = "declare them at the top: `units(\"SI\")` for m, kg and s, `units(\"mm-N-t\")` for mm, N, t, s and MPa";
             return Err(failure.hint(hint).into());
         }
