@@ -145,11 +145,9 @@ pub use conserva_mesh::mesh;
 #[doc(inline)]
 pub use conserva_output::output;
 
-#[cfg(feature = "scripts")]
-pub mod script;
-
-#[cfg(feature = "scripts")]
-pub mod studies;
-
 #[cfg(feature = "command-line")]
-pub mod cli;
+#[doc(inline)]
+pub use conserva_language::cli;
+#[cfg(feature = "scripts")]
+#[doc(inline)]
+pub use conserva_language::{script, studies};

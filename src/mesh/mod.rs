@@ -35,8 +35,6 @@ mod revolve;
 mod round;
 mod selection;
 mod sides;
-#[cfg(test)]
-mod solid_tests;
 mod solids;
 mod strips;
 mod surface;

@@ -32,7 +32,7 @@ const FLOORS: &[&[&str]] = &[
 ];
 
 /// Libraries of the packages, from the lowest floor upwards.
-const LIBRARIES: [&str; 8] = [
+const LIBRARIES: [&str; 9] = [
     "packages/base/lib.rs",
     "packages/materials/lib.rs",
     "packages/mesh/lib.rs",
@@ -40,6 +40,7 @@ const LIBRARIES: [&str; 8] = [
     "packages/contact/lib.rs",
     "packages/dynamics/lib.rs",
     "packages/output/lib.rs",
+    "packages/language/lib.rs",
     "src/lib.rs",
 ];
 

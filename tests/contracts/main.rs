@@ -13,6 +13,8 @@ mod materials;
 mod mean_values;
 mod plasticity;
 mod rigid_bodies;
+mod round_cells;
+mod round_meshes;
 mod simulations;
 mod states;
 mod torques;
