@@ -55,6 +55,21 @@ pub fn shares(nodes: &[u32], q: &[f64]) -> Vec<f64> {
     (0..count).map(|k| (triangles[k] + triangles[(k + count - 1) % count]) / 3.0 + of_middle).collect()
 }
 
+/// Nodal shares of the area vector of a facet, `int N_A n dA` with its outward normal `n` `[length^2]`.
+pub fn vector_shares(nodes: &[u32], q: &[f64]) -> Vec<Vector> {
+    let (middle, count) = (middle(nodes, q), nodes.len());
+    if count == 3 {
+        return vec![area_vector(nodes, q) / 6.0; 3];
+    }
+    let triangle = |k: usize| {
+        let [a, b] = [k, (k + 1) % count].map(|k| at(nodes[k], q) - middle);
+        0.5 * a.cross(&b)
+    };
+    let triangles: Vec<Vector> = (0..count).map(triangle).collect();
+    let of_middle = triangles.iter().sum::<Vector>() / (3 * count) as f64;
+    (0..count).map(|k| (triangles[k] + triangles[(k + count - 1) % count]) / 3.0 + of_middle).collect()
+}
+
 /// Lower and upper corner of the bounding box of points.
 pub fn bounds(points: impl Iterator<Item = Vector>) -> [Vector; 2] {
     let empty = [Vector::repeat(f64::INFINITY), Vector::repeat(f64::NEG_INFINITY)];

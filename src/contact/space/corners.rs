@@ -79,6 +79,8 @@ pub struct CornersInSpace {
     profiles: [Profiles; 2],
     /// Reference warp of each facet of both sides, half the height difference of its nodes; 0 on curved surfaces `[length]`.
     warps: [Vec<f64>; 2],
+    /// Unevenness of the points (`ProxySurfacesInSpace::unevenness`).
+    uneven: f64,
     /// Offset added to the gap of each contact element `[length]`.
     clearances: Vec<f64>,
     /// Data of constraints for all secondary nodes (node-to-segment method, `nodes.rs`); `None` if only sharp features have constraints.
@@ -107,7 +109,7 @@ impl CornersInSpace {
             (0..side.count()).map(|facet| warp(side.facet(facet))).collect()
         });
         let made = CornersInSpace::new(secondary.clone(), primary.clone(), features, reference, facet_size);
-        Some(Box::new(CornersInSpace { profiles, warps, ..made }))
+        Some(Box::new(CornersInSpace { profiles, warps, uneven: seen.unevenness(), ..made }))
     }
 
     pub(super) fn new(secondary: Surface, primary: Surface, features: [Features; 2], reference: &[f64], facet_size: f64) -> Self {
@@ -136,6 +138,7 @@ impl CornersInSpace {
             slots: SLOTS,
             profiles: Default::default(),
             warps: Default::default(),
+            uneven: 0.0,
             clearances: Vec::new(),
             of_nodes: None,
         }
@@ -175,8 +178,8 @@ impl CornersInSpace {
     }
 
     /// Overlap of the features of touching curved surfaces `[length]`. The middles of facets lie above a hollow surface by up to 1.5 times
-    /// its mean height; points of a convex surface are raised by its mean height unless they are bumps; nodes of a warped facet lie behind
-    /// its mean plane.
+    /// its mean height; points of a convex surface are raised by its mean height unless they are bumps, points of a surface of second order
+    /// unevenly; nodes of a warped facet lie behind its mean plane.
     fn clearance(&self, kind: Kind) -> f64 {
         match kind {
             Kind::Vertex { vertex, .. } if let Some(rows) = &self.of_nodes => -rows.heights[vertex],
@@ -184,7 +187,8 @@ impl CornersInSpace {
                 let (surface, vertex) = (self.surface(side), &self.features[side].vertices[vertex]);
                 let around = surface.index(vertex.node).filter(|_| !vertex.is_bump).map_or(&[][..], |index| surface.adjacent_facets(index));
                 let warp = self.warps[1 - side].get(facet).copied().unwrap_or(0.0);
-                warp + self.profiles[1 - side].hollow(&[facet as u32]) + self.profiles[side].raised_by(around)
+                let raised = self.profiles[side].raised_by(around) + self.uneven * self.profiles[side].hollow(around);
+                warp + self.profiles[1 - side].hollow(&[facet as u32]) + raised
             }
             Kind::Edges(edges) => {
                 let of = |side: usize| {
