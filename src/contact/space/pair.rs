@@ -23,12 +23,11 @@ use super::polygon::Polygon;
 use super::profiles::Profile;
 use super::stiffness::Hessian;
 use super::vectors::Vec3;
-use super::vertices::{CORNERS, Forces, NODES, OfNodes, Vertex};
+use super::vertices::{CORNERS, Forces, NODES, OfNodes};
 use super::view::{POINTS, View, are_apart, triangles};
 use super::weights::MortarWeights;
 use crate::contact::numbers::{Each, Number};
 use crate::math::simd::{Kernel, dispatch};
-use crate::math::tolerances::SAME_PLACE;
 
 /// Facet pair, projected along the secondary normal.
 pub struct Pair<T> {
@@ -204,19 +203,6 @@ impl Pair<f64> {
     /// Gradients of all weighted gaps with a band of the width `band`, see [`Pair::gradient`], and the gaps.
     pub fn gradients(&self, band: f64) -> (Gradients, [f64; CORNERS]) {
         dispatch(OfEach { pair: self, band })
-    }
-
-    /// True if an edge of the secondary facet coincides with one of the primary facet along the border of the overlap.
-    pub fn has_coinciding_edges(&self) -> bool {
-        let is_on = |of: fn(&Vertex<f64>) -> &[f64; 3], [a, b]: [&Vertex<f64>; 2]| {
-            of(a).iter().zip(of(b)).any(|(a, b)| a.abs() <= SAME_PLACE && b.abs() <= SAME_PLACE)
-        };
-        self.polygons.iter().any(|polygon| {
-            let vertices = polygon.vertices();
-            let next = vertices.iter().cycle().skip(1);
-            let mut edges = vertices.iter().zip(next).filter(|(from, _)| !from.is_inner);
-            edges.any(|(from, to)| is_on(|vertex| &vertex.of_secondary, [from, to]) && is_on(|vertex| &vertex.of_primary, [from, to]))
-        })
     }
 
     /// Mortar weights, see [`Pair::mortar_weights`], with their derivatives with respect to the node positions.
@@ -508,6 +494,19 @@ mod tests {
             }
         }
         assert!(overlaps > 40);
+        // Squares with two coinciding edges, or all four: corners move with the sides that define them.
+        for shift in [0.0, 0.25] {
+            let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+            let own = square.iter().map(|&[x, y]| [x, y, 0.0]);
+            let other = square.iter().rev().map(|&[x, y]| [x + shift, y, 0.125]);
+            let x: Vec<Vec3<f64>> = own.chain(other).collect();
+            let pair = Pair::at(&x, [4, 4]).unwrap();
+            let jets = Pair::new(&jets::<24>(x.as_flattened(), 0), [4, 4]).unwrap().mortar_weights();
+            for (own, other) in pair.differentiated_weights().as_flattened().iter().zip(jets.as_flattened()) {
+                assert!((own.re - other.re).abs() < 1e-14);
+                assert!(own.eps.iter().zip(&other.eps).all(|(a, b)| (a - b).abs() < 1e-12), "{shift}: {own:?} {other:?}");
+            }
+        }
     }
 
     #[test]

@@ -10,14 +10,20 @@
 //!
 //! for a secondary corner `j` and a primary corner `m`, with the edges on the border of the corner's own triangle. The chain rule to node
 //! positions is that of gaps (`view.rs`).
+//!
+//! Weights have a kink where edges of both facets coincide. Which triangle such an edge belongs to is decided by round-off, and derivatives
+//! by edges made resting arches crawl (`tests/scripts/rigid_friction_in_space.rhai`). Where an edge on the border of the overlap coincides
+//! with one of the other facet, polygons with coinciding edges are clipped with numbers that carry derivatives, so that corners move with
+//! the sides that define them. Edges between triangles of one facet are not left out there, because coinciding ones need not cancel.
 
 use super::clipping::VERTICES;
 use super::polygon::Polygon;
 use super::vectors::Vec3;
-use super::vertices::{CORNERS, NODES, OfNodes, PolygonBorder, outward, shape_gradients};
+use super::vertices::{CORNERS, NODES, OfNodes, PerTriangle, PolygonBorder, outward, shape_gradients};
 use super::view::{POINTS, View};
-use crate::contact::numbers::Each;
+use crate::contact::numbers::{Each, Jet};
 use crate::math::simd::Kernel;
+use crate::math::tolerances::SAME_PLACE;
 
 /// Computation of the weights of a pair, compiled for the instruction set of the processor.
 pub struct MortarWeights<'a> {
@@ -28,6 +34,12 @@ pub struct MortarWeights<'a> {
 /// Number of corners of two triangles, padded to whole registers.
 const SHAPES: usize = 8;
 
+/// Derivatives of the integrals of a shape function with those of both triangles, with respect to the plane coordinates of their corners.
+type Slopes = [[[f64; SHAPES]; 2]; 6];
+
+/// Number with its derivatives with respect to the plane coordinates of the corners of both triangles.
+type OfCorners = Jet<12>;
+
 /// Sums over polygons: for each secondary point (nodes, then the mean point), the integrals of its shape function with those of all points,
 /// and their derivatives with respect to the plane coordinates of all points.
 struct Sums {
@@ -37,8 +49,8 @@ struct Sums {
 
 impl Sums {
     #[inline(always)]
-    fn add(&mut self, view: &View<f64>, polygon: &Polygon<f64>) {
-        let (corners, places) = (&polygon.corners, view.places(&polygon.corners));
+    fn add(&mut self, view: &View<f64>, polygon: &Polygon<f64>, all_edges: bool) {
+        let places = view.places(&polygon.corners);
         let gradients = [shape_gradients(&places[0], polygon.areas[0]), shape_gradients(&places[1], polygon.areas[1])];
         let mut integrals = [[0.0; SHAPES]; 3];
         for a in 0..3 {
@@ -66,7 +78,45 @@ impl Sums {
                 }
             }
         }
-        edges_into(polygon, &mut slopes);
+        edges_into(polygon, all_edges, &mut slopes);
+        self.add_to_points(&polygon.corners, &integrals, &slopes);
+    }
+
+    /// Adds a polygon that is clipped again with numbers that carry the derivatives.
+    #[inline(always)]
+    fn add_clipped(&mut self, view: &View<f64>, polygon: &Polygon<f64>) {
+        let (mut clipped, mut places) = (Polygon::empty(), [[[OfCorners::from(0.0); 2]; 3]; 2]);
+        for (side, own) in view.places(&polygon.corners).iter().enumerate() {
+            for j in 0..3 {
+                for i in 0..2 {
+                    places[side][j][i].re = own[j][i];
+                    places[side][j][i].eps[6 * side + 2 * j + i] = 1.0;
+                }
+            }
+        }
+        clipped.set(polygon.corners, &places);
+        let (mut integrals, mut slopes) = ([[0.0; SHAPES]; 3], [[[[0.0; SHAPES]; 2]; 6]; 3]);
+        for a in 0..3 {
+            let mut own = [OfCorners::from(0.0); VERTICES];
+            for (k, vertex) in clipped.vertices().iter().enumerate() {
+                own[k] = vertex.of_secondary[a];
+            }
+            let counts = clipped.counting(&own);
+            for side in 0..2 {
+                for (c, integral) in clipped.integrals(&counts, side).into_iter().enumerate() {
+                    integrals[a][3 * side + c] = integral.re;
+                    for lane in 0..12 {
+                        slopes[a][lane / 2][lane % 2][3 * side + c] = integral.eps[lane];
+                    }
+                }
+            }
+        }
+        self.add_to_points(&polygon.corners, &integrals, &slopes);
+    }
+
+    /// Adds the integrals of a polygon, and their derivatives, to the points of its triangles.
+    #[inline(always)]
+    fn add_to_points(&mut self, corners: &PerTriangle<usize>, integrals: &[[f64; SHAPES]; 3], slopes: &[Slopes; 3]) {
         let points = [corners[0][0], corners[0][1], corners[0][2], corners[1][0], corners[1][1], corners[1][2]];
         for a in 0..3 {
             let row = points[a].min(CORNERS);
@@ -126,13 +176,31 @@ impl Sums {
     }
 }
 
-/// Adds the contributions of the edges on the borders of both triangles; those between triangles of one facet cancel in the sum over its
-/// triangles.
+/// True if an edge of a polygon lies on sides of both triangles; `only_outer` leaves out edges between triangles of one facet.
 #[inline(always)]
-fn edges_into(polygon: &Polygon<f64>, slopes: &mut [[[[f64; SHAPES]; 2]; 6]; 3]) {
+fn coincides(polygon: &Polygon<f64>, only_outer: bool) -> bool {
+    let vertices = polygon.vertices();
+    let mut found = false;
+    for (k, from) in vertices.iter().enumerate() {
+        let to = &vertices[if k + 1 == vertices.len() { 0 } else { k + 1 }];
+        let mut is_on = [false; 2];
+        for side in 0..2 {
+            for j in 0..3 {
+                is_on[side] |= from.shape(side)[j].abs() <= SAME_PLACE && to.shape(side)[j].abs() <= SAME_PLACE;
+            }
+        }
+        found |= is_on == [true; 2] && !(only_outer && from.is_inner);
+    }
+    found
+}
+
+/// Adds the contributions of the edges on the borders of both triangles: `all`, or without those between triangles of one facet, which
+/// cancel in the sum over its triangles.
+#[inline(always)]
+fn edges_into(polygon: &Polygon<f64>, all: bool, slopes: &mut [Slopes; 3]) {
     let vertices = polygon.vertices();
     for (k, from) in vertices.iter().enumerate() {
-        if from.is_inner {
+        if from.is_inner && !all {
             continue;
         }
         let to = &vertices[if k + 1 == vertices.len() { 0 } else { k + 1 }];
@@ -170,8 +238,16 @@ impl Kernel for MortarWeights<'_> {
     #[inline(always)]
     fn run<const FMA: bool>(self) -> Self::Output {
         let mut sums = Sums { values: [[0.0; POINTS]; CORNERS + 1], slopes: [[[[0.0; POINTS]; 2]; POINTS]; CORNERS + 1] };
+        let mut has_coinciding = false;
         for polygon in self.polygons {
-            sums.add(self.view, polygon);
+            has_coinciding |= coincides(polygon, true);
+        }
+        for polygon in self.polygons {
+            if has_coinciding && coincides(polygon, false) {
+                sums.add_clipped(self.view, polygon);
+            } else {
+                sums.add(self.view, polygon, has_coinciding);
+            }
         }
         let mut weights = [[OfNodes::from(0.0); NODES]; CORNERS];
         for a in 0..self.view.counts[0] {
