@@ -38,7 +38,8 @@ impl Coarsest {
             .collect();
         let mut pairs: Vec<[u32; 2]> = Vec::new();
         for row in 0..rows {
-            pairs.extend(level.row(row).0.iter().filter(|&&column| column as usize > row).map(|&column| [row as u32, column]));
+            // Blocks may be zero, and left out, on one side of the diagonal alone, as in the rows of prescribed displacements.
+            pairs.extend(level.row(row).0.iter().filter(|&&column| column as usize != row).map(|&column| [row as u32, column]));
         }
         for &v in &border.vertices {
             let others = scaled.pattern.neighbors(v as usize).iter().filter(|&&u| u != v && scaled.couples(u, v));

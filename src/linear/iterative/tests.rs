@@ -187,6 +187,25 @@ fn solutions_are_those_of_the_direct_solver() {
 }
 
 #[test]
+fn rows_of_prescribed_nodes_couple_with_nothing_while_their_columns_do() {
+    let mut model = stack([3, 3, 3], CUBE, 0.3, 2, true);
+    let Model { pattern, values, right, .. } = &mut model;
+    // Nodes of the contact whose displacements are prescribed: rows of the unit matrix.
+    let multiplier = (0..pattern.vertices()).find(|&v| pattern.is_multiplier(v)).unwrap();
+    for &node in pattern.neighbors(multiplier).iter().filter(|&&v| pattern.size(v as usize) == 3).take(4) {
+        for &other in pattern.neighbors(node as usize) {
+            let block = pattern.block(node, other);
+            for k in 0..pattern.size(other as usize) {
+                (0..3).for_each(|i| values[block.at(i, k)] = if other == node && i == k { 1.0 } else { 0.0 });
+            }
+        }
+        right[3 * node as usize..][..3].fill(1e-3);
+    }
+    let (count, x) = iterated(&model, 1);
+    assert!(difference(&model, &x) < 1e-10 && count <= 40, "{count} iterations, off by {:.1e}", difference(&model, &x));
+}
+
+#[test]
 fn results_do_not_depend_on_the_number_of_threads() {
     let model = stack([12, 10, 8], CUBE, 0.3, 2, false);
     assert_eq!(iterated(&model, 1), iterated(&model, 3));
