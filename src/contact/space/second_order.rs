@@ -558,7 +558,7 @@ mod tests {
             let ball = hollow_sphere([0.5, 1.0], [1, 16], [0.0; 3], 1.0).expect("it is a mesh");
             let (faces, q) = outer(&ball.with_round_cells(kind, Round::AboutPoint([0.0; 3])).expect("cells are round"));
             let (mut exact, mut found) = (vec![0.0; q.len()], vec![0.0; q.len()]);
-            let mut add = |to: &mut [f64], node: u32, force: Vector| (0..3).for_each(|i| to[3 * node as usize + i] += force[i]);
+            let add = |to: &mut [f64], node: u32, force: Vector| (0..3).for_each(|i| to[3 * node as usize + i] += force[i]);
             for face in &faces {
                 let places: Vec<[f64; 3]> = face.iter().map(|&node| faces::at(node, &q).into()).collect();
                 for point in face_points(face.len()) {
