@@ -3,6 +3,9 @@
 //! A facet of four nodes consists of four flat triangles about its mean point, which is a quarter of each node. The nodal loads of a
 //! constant pressure, `int N_A dA`, equal those of the bilinear facet for every plane quadrilateral.
 
+use std::iter::Sum;
+use std::ops::{Add, Div};
+
 use nalgebra::Vector3;
 use rstar::primitives::{GeomWithData, Rectangle};
 use rstar::{AABB, RTree};
@@ -42,31 +45,29 @@ pub fn normal(nodes: &[u32], q: &[f64]) -> Vector {
 
 /// Nodal shares of the area of a facet, `int N_A dA` `[length^2]`.
 pub fn shares(nodes: &[u32], q: &[f64]) -> Vec<f64> {
-    let (middle, count) = (middle(nodes, q), nodes.len());
-    if count == 3 {
-        return vec![area_vector(nodes, q).norm() / 6.0; 3];
-    }
-    let triangle = |k: usize| {
-        let [a, b] = [k, (k + 1) % count].map(|k| at(nodes[k], q) - middle);
-        0.5 * a.cross(&b).norm()
-    };
-    let triangles: Vec<f64> = (0..count).map(triangle).collect();
-    let of_middle = triangles.iter().sum::<f64>() / (3 * count) as f64;
-    (0..count).map(|k| (triangles[k] + triangles[(k + count - 1) % count]) / 3.0 + of_middle).collect()
+    shares_of(nodes, q, |area| area.norm())
 }
 
 /// Nodal shares of the area vector of a facet, `int N_A n dA` with its outward normal `n` `[length^2]`.
 pub fn vector_shares(nodes: &[u32], q: &[f64]) -> Vec<Vector> {
+    shares_of(nodes, q, |area| area)
+}
+
+/// Nodal shares of a measure of the area vectors of a facet's triangles, which meet in the mean of the nodes of a quadrilateral.
+fn shares_of<T>(nodes: &[u32], q: &[f64], measure: impl Fn(Vector) -> T) -> Vec<T>
+where
+    T: Copy + Add<Output = T> + Div<f64, Output = T> + Sum,
+{
     let (middle, count) = (middle(nodes, q), nodes.len());
     if count == 3 {
-        return vec![area_vector(nodes, q) / 6.0; 3];
+        return vec![measure(area_vector(nodes, q)) / 6.0; 3];
     }
     let triangle = |k: usize| {
         let [a, b] = [k, (k + 1) % count].map(|k| at(nodes[k], q) - middle);
-        0.5 * a.cross(&b)
+        measure(0.5 * a.cross(&b))
     };
-    let triangles: Vec<Vector> = (0..count).map(triangle).collect();
-    let of_middle = triangles.iter().sum::<Vector>() / (3 * count) as f64;
+    let triangles: Vec<T> = (0..count).map(triangle).collect();
+    let of_middle = triangles.iter().copied().sum::<T>() / (3 * count) as f64;
     (0..count).map(|k| (triangles[k] + triangles[(k + count - 1) % count]) / 3.0 + of_middle).collect()
 }
 
