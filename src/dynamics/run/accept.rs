@@ -21,6 +21,8 @@ use crate::dynamics::step::newton::Solution;
 use crate::dynamics::step::scheme_history::SchemeHistory;
 use crate::dynamics::step::start::{Motion, StepStart};
 use crate::integrators::{Derivative, History};
+use crate::math::norms::largest_size;
+use crate::math::tolerances;
 
 /// External forces and their work in a step.
 struct Outside {
@@ -138,9 +140,11 @@ where
         row.reactions = self.reactions_after(start, &at, &lambda, jump.as_ref())?;
         let accelerations = self.accelerations_to(&v_1, dt);
         row.probes = self.probe_values(&at.u_1, &v_1, &accelerations);
+        let pushed = self.state.pushed + dt * at.forces.scale;
+        row.work_round_off = self.work_round_off(pushed / (start.time + dt), &at.q_1);
         let state = State {
             drift: self.state.drift + row.energy_defect,
-            pushed: self.state.pushed + dt * at.forces.scale,
+            pushed,
             row,
             positions: at.q_1.clone(),
             displacements: at.u_1.clone(),
@@ -322,6 +326,11 @@ where
             let at_once = |jump: &VelocityCorrection| pair.tangential().map(|(row, _)| jump.friction[row]).sum::<f64>();
             slips.map(|block| block.work(shear)).sum::<f64>() + jump.map_or(0.0, at_once)
         })
+    }
+
+    /// Work of a force on the round-off of the positions `positions` `[energy]`.
+    fn work_round_off(&self, force: f64, positions: &[f64]) -> f64 {
+        tolerances::WORK_ROUND_OFF * force * largest_size(positions).max(self.system.nodes.extent)
     }
 
     /// Work of contact that the update rules remove or add by design `[energy]`; `reserve`: stored impact energy of the new state.

@@ -51,6 +51,9 @@ pub struct LedgerRow {
     /// `change of total - load_work - contact_work - friction_work + dissipation` of this step `[energy]`: round-off when the scheme
     /// conserves.
     pub energy_defect: f64,
+    /// Work that the mean of the largest forces since the start does on the round-off of positions `[energy]`: changes of the energy
+    /// below it mean nothing.
+    pub work_round_off: f64,
     /// Linear momentum `[mass * length/time]`.
     pub momentum: [f64; 3],
     /// Angular momentum about the origin; in the plane only the third component.

@@ -87,8 +87,8 @@ macro_rules! packed {
 }
 
 packed!(LedgerRow: step time dt kinetic strain potential reserve load_work contact_work friction_work joint_friction dissipation damping
-    numerical impact plastic energy_defect momentum angular_momentum momentum_defect angular_momentum_defect newton_iterations
-    factorizations halvings active max_penetration contacts reactions plastic_work parts joints probes);
+    numerical impact plastic energy_defect work_round_off momentum angular_momentum momentum_defect angular_momentum_defect
+    newton_iterations factorizations halvings active max_penetration contacts reactions plastic_work parts joints probes);
 packed!(ContactTotals: active force normal_force area pressure penetration friction_work sliding);
 packed!(Reaction: force moment);
 packed!(PartTotals: readings dissipated);

@@ -362,11 +362,6 @@ impl Simulation {
         self.steps.halvings()
     }
 
-    /// Work that the mean of the largest forces does on the round-off of positions `[energy]`.
-    pub fn round_off(&self) -> f64 {
-        self.steps.measures().round_off
-    }
-
     /// Findings on a run of this simulation with the rows `rows` of its ledger.
     pub fn findings<R: Rows + ?Sized>(&self, rows: &R) -> Vec<RunFinding> {
         let mut found = run_findings(rows, &self.steps.measures());

@@ -32,7 +32,6 @@ use crate::dynamics::model::step_error::StepError;
 use crate::dynamics::parts::contact_pair::ContactPair;
 use crate::dynamics::parts::laws::RowState;
 use crate::dynamics::step::failure::Failure;
-use crate::math::norms::largest_size;
 use crate::math::tolerances;
 
 /// Largest number of kinks within a step at which the step is divided.
@@ -267,12 +266,10 @@ where
     fn measures(&self) -> Measures<'_> {
         let system = &self.system;
         let conserves = self.options.integrator.promises.energy;
-        let reach = largest_size(&self.state.positions).max(system.nodes.extent);
-        let mean_force = if self.state.row.time > 0.0 { self.state.pushed / self.state.row.time } else { 0.0 };
         Measures {
             contacts: system.contacts().map(|(_, pair)| (pair.name.as_str(), pair.kernel.facet_size())).collect(),
             stiffness: system.nodes.stiffness() * system.nodes.extent.powi(2),
-            round_off: tolerances::WORK_ROUND_OFF * mean_force * reach,
+            round_off: self.state.row.work_round_off,
             integrator: self.options.integrator.name,
             is_explicit: self.options.integrator.lumping().is_some(),
             is_static: self.options.integrator.is_static(),

@@ -58,9 +58,10 @@ fn conserved(call: &Call) -> Result<Dynamic, Box<EvalAltResult>> {
     let rows = handle.0.history.borrow();
     // The first step that begins at `after` or later; it may begin a little before, because steps meet a time only up to round-off.
     let begins = |row: &LedgerRow| row.time >= after - SAME_MOMENT * after.abs().max(row.dt);
-    let (mut index, mut first, mut kinetic) = (0, None, 0.0);
+    let (mut index, mut first, mut kinetic, mut round_off) = (0, None, 0.0, 0.0);
     rows.visit(0, &mut |row| {
         raise(&mut kinetic, row.kinetic);
+        round_off = row.work_round_off;
         first = first.or_else(|| begins(row).then_some(index));
         index += 1;
     });
@@ -74,7 +75,6 @@ fn conserved(call: &Call) -> Result<Dynamic, Box<EvalAltResult>> {
     };
     let mut drift = worst_drift(&quantity, &*rows, first, kinetic, Inertia::of(&handle.0.model.model));
     // Reactions do work on the round-off of the positions of supported nodes, which may be the only energy of the model.
-    let round_off = handle.0.simulation.try_borrow().map_or(0.0, |simulation| simulation.round_off());
     if matches!(&*quantity, "energy" | "ledger") && drift.size * drift.scale <= round_off {
         drift.size = 0.0;
     }
