@@ -161,18 +161,39 @@ fn joints_of_a_resumed_run_are_those_of_their_time() {
         result("mean angle", sum / 10.0);
         sim.run_to(0.3);
     "#;
-    let home = folder("joints", script);
+    assert_resumes("joints", script, 130);
+}
+
+#[test]
+fn a_check_of_a_resumed_run_prints_what_the_first_run_printed() {
+    let script = r#"
+        let m = model("pendulum");
+        let rod = m.add_rigid_body("rod", rectangle(#{ size: [1.0, 0.1], cells: [2, 2], origin: [0.0, -0.05] }), #{ density: 1.0 });
+        m.gravity([0.0, -9.81]);
+        m.add_joint("pin", #{ kind: "point", from: rod, point: [0.0, 0.0] });
+        let sim = simulate(m, #{ integrator: energy_momentum(), dt: 0.001 });
+        sim.run_to(0.02);
+        expect_conserved(sim, "ledger", #{ tolerance: 1e-9 });
+        sim.run_to(0.3);
+    "#;
+    assert_resumes("checks", script, 130);
+}
+
+/// Kills a run of a script once its history has a number of lines, resumes it, and asserts that it prints and writes what an undisturbed
+/// run does.
+fn assert_resumes(name: &str, script: &str, lines: usize) {
+    let home = folder(name, script);
     let whole = run(&home, &["run", "main.rhai", "--quiet", "--out", "whole"]);
     assert_eq!(whole.status.code(), Some(0), "{}", stderr(&whole));
     let mut child = begun(&home, &["run", "main.rhai", "--quiet", "--out", "k", "--checkpoint", "20"]);
-    wait_for_lines(&home.join("k"), &mut child, 130);
+    wait_for_lines(&home.join("k"), &mut child, lines);
     signal(&child, "-KILL");
     if child.wait().unwrap().code().is_some() {
         return; // the run completed before the signal
     }
     let resumed = run(&home, &["resume", "k", "--quiet"]);
-    assert_eq!(resumed.stdout, whole.stdout);
-    assert_same(&home.join("whole"), &home.join("k"), "joints");
+    assert_eq!(String::from_utf8_lossy(&resumed.stdout), String::from_utf8_lossy(&whole.stdout));
+    assert_same(&home.join("whole"), &home.join("k"), name);
 }
 
 #[test]
