@@ -21,6 +21,7 @@ mod combinations;
 #[cfg(test)]
 mod contract;
 mod depth;
+mod edge_plane;
 mod exact;
 mod faces;
 mod facet_shape;

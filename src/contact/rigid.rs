@@ -12,6 +12,9 @@
 //! (Gonzalez, CMAME 190, 2000). The contact forces do the work `sum lambda_A (Phi_A(1) - Phi_A(0))`; a moving obstacle does the further
 //! work `sum lambda_A Gbar_A.(u_1 - u_0)`, which the ledger counts as work of loads. Obstacles that turn: `turning.rs`.
 
+use nalgebra::Vector2;
+
+use super::edge_plane::{self, ACROSS_EDGE};
 use super::kernel::{CandidateSearch, PatchFunctions, RigidObstacle};
 use super::numbers::Number;
 use super::patches::Evaluation;
@@ -35,8 +38,9 @@ pub struct RigidContact {
     start: Vec<[f64; 2]>,
     /// True for nodes without constraints: those inside of round parts of a rigid body, which `rolling.rs` constrains instead.
     is_hidden: Vec<bool>,
-    /// For nodes that start at a convex corner of a polyline: the straight line of their side, which replaces the obstacle in this step.
-    /// Otherwise the step may have no solution: one side pushes the node past the corner, and without this force the node returns.
+    /// For nodes that start at a convex corner of a polyline: the straight line of their side, or one through the corner (`edge_plane.rs`),
+    /// which replaces the obstacle in this step. Otherwise the step may have no solution: one side pushes the node past the corner, and
+    /// without this force the node returns.
     lines: Vec<Option<PlaneOutline>>,
 }
 
@@ -66,6 +70,25 @@ impl RigidContact {
     /// Outline from which the gap of constraint `row` is measured in this step.
     fn obstacle_side(&self, row: usize) -> &PlaneOutline {
         self.lines[row].as_ref().unwrap_or(&self.shape)
+    }
+
+    /// Half plane in place of the obstacle for a node that starts the step at a convex corner.
+    fn line_at_corner(&self, row: usize, q_0: &[f64]) -> Option<PlaneOutline> {
+        let (surface, size) = (&self.sides.secondary, self.sides.facet_size);
+        let x = self.position(row, q_0, self.translations[0]);
+        let at = self.shape.at_corner(x, ACROSS_EDGE * size)?;
+        let adjacent = surface.adjacent_facets(row).iter().map(|&facet| facet as usize);
+        let others =
+            adjacent.clone().flat_map(|facet| surface.local_facets()[facet]).map(|other| other as usize).filter(|&other| other != row);
+        let around = others.map(|other| Vector2::from(self.position(other, q_0, self.translations[0])) - Vector2::from(x));
+        let own = (at.distance <= AT_CORNER * size).then(|| [at.points[0], at.normals[0]]);
+        let plane = if edge_plane::is_in_front(at.normals[0], around) {
+            own
+        } else {
+            let facing = adjacent.map(|facet| -Vector2::from_column_slice(&surface.outward(facet, q_0)));
+            edge_plane::plane_through(&at, facing, x.into(), size).or(own)
+        };
+        plane.map(|[point, normal]| PlaneOutline::HalfPlane { point: point.into(), normal: normal.into() })
     }
 
     /// Removes the constraints of the given nodes (model numbers).
@@ -138,8 +161,7 @@ impl PatchFunctions for RigidContact {
 
     fn begin_step(&mut self, q_0: &[f64]) {
         self.start = (0..self.sides.patches.len()).map(|row| self.position(row, q_0, [0.0; 2])).collect();
-        let (shift, near) = (self.translations[0], AT_CORNER * self.sides.facet_size);
-        self.lines = self.start.iter().map(|x| self.shape.line_at_corner([x[0] - shift[0], x[1] - shift[1]], near)).collect();
+        self.lines = (0..self.start.len()).map(|row| self.line_at_corner(row, q_0)).collect();
     }
 
     fn start_gap(&self) -> Vec<f64> {

@@ -5,6 +5,7 @@ use rstar::primitives::{GeomWithData, Line};
 use rstar::{AABB, RTree};
 
 use super::chain::Chain;
+use super::edge_plane::AtEdge;
 use super::obstacle_side::{Local, ObstacleSide};
 use super::slip::Carrier;
 use super::space::ObstacleInSpace;
@@ -139,23 +140,30 @@ impl PlaneOutline {
         }
     }
 
-    /// Half plane of the side to which a point belongs, if the point is within `near` of a convex corner.
-    pub(super) fn line_at_corner(&self, x: [f64; 2], near: f64) -> Option<PlaneOutline> {
+    /// Sides of a polyline at a convex corner within `near` of a point.
+    pub(super) fn at_corner(&self, x: [f64; 2], near: f64) -> Option<AtEdge<2>> {
         let PlaneOutline::Polyline { tree, corners } = self else { return None };
         let nearest = tree.nearest_neighbor(x)?;
-        let Line { from, to } = *nearest.geom();
-        if [from, to].iter().all(|end| (x[0] - end[0]).hypot(x[1] - end[1]) > near) {
-            return None;
-        }
         let (chain, points) = &corners[nearest.data];
         let z: Vec<f64> = x.iter().chain(&points[2..]).copied().collect();
         let measure = chain.measure(&z, &[true; 3])?;
         if !measure.covered || chain.pocket(measure.facet, &z, 0.0).is_some() {
             return None;
         }
-        let [from, to] = chain.facets()[measure.facet as usize].map(|node| [z[2 * node as usize], z[2 * node as usize + 1]]);
-        let (along, length) = ([to[0] - from[0], to[1] - from[1]], (to[0] - from[0]).hypot(to[1] - from[1]));
-        Some(PlaneOutline::HalfPlane { point: from, normal: [along[1] / length, -along[0] / length] })
+        let own = measure.facet as usize;
+        let ends = |facet: &[u32; 2]| facet.map(|node| Vector2::new(z[2 * node as usize], z[2 * node as usize + 1]));
+        let distances = ends(&chain.facets()[own]).map(|end| (Vector2::from(x) - end).norm());
+        let end = usize::from(distances[1] < distances[0]);
+        let beside = if end == 1 { own + 1 } else { own.wrapping_sub(1) };
+        let sides = std::iter::once(own).chain(Some(beside)).filter_map(|facet| chain.facets().get(facet));
+        let normal = |facet: &[u32; 2]| {
+            let [from, to] = ends(facet);
+            Vector2::new(to.y - from.y, from.x - to.x).normalize()
+        };
+        let corner = ends(&chain.facets()[own])[end];
+        let normals: Vec<Vector2<f64>> = sides.map(normal).collect();
+        let at = AtEdge { points: vec![corner; normals.len()], normals, edge: vec![corner], distance: distances[end] };
+        (at.distance <= near).then_some(at)
     }
 
     /// Rigid motion of the obstacle's surface in a step, for friction: a displacement and, for a circle, a rotation about its center.

@@ -13,6 +13,7 @@ use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 use rstar::{AABB, PointDistance, RTree, RTreeObject};
 use thiserror::Error;
 
+use crate::contact::edge_plane::AtEdge;
 use crate::math::tolerances::{COPLANAR, FACING};
 
 /// Cosine of the angle between the faces at an edge between two sides: 30 degrees.
@@ -408,25 +409,29 @@ impl Facets {
         (side, close.into_iter().map(|(_, other)| other).collect())
     }
 
-    /// Planes (point, normal) of the faces at the sharp edge or vertex within `near` of a point, in descending order of the point's signed
-    /// distance; empty away from sharp edges.
-    pub(super) fn planes_at_edge(&self, x: Vector3<f64>, near: f64) -> Vec<[Vector3<f64>; 2]> {
-        let Some(nearest) = self.whole.nearest_neighbor(x.into()) else { return Vec::new() };
+    /// Faces at the sharp edge or vertex within `near` of a point, in descending order of the point's signed distance from their planes.
+    pub(super) fn at_edge(&self, x: Vector3<f64>, near: f64) -> Option<AtEdge<3>> {
+        let nearest = self.whole.nearest_neighbor(x.into())?;
         let at = nearest.nearest(x).0;
         if (x - at).norm() > near || !nearest.distance(x).covered {
-            return Vec::new();
+            return None;
         }
-        let is_at = |face: &Face| {
-            (0..3).any(|k| {
+        let on_edges = |face: &Face| -> Vec<Vector3<f64>> {
+            let on_edge = |k: usize| {
                 let (a, b) = (face.corners[k], face.corners[(k + 1) % 3]);
-                let share = ((at - a).dot(&(b - a)) / (b - a).norm_squared()).clamp(0.0, 1.0);
-                face.is_sharp[k] && (at - a - (b - a) * share).norm() <= near
-            })
+                a + (b - a) * ((at - a).dot(&(b - a)) / (b - a).norm_squared()).clamp(0.0, 1.0)
+            };
+            (0..3).filter(|&k| face.is_sharp[k]).map(on_edge).filter(|point| (at - point).norm() <= near).collect()
         };
-        let mut around: Vec<&Face> = self.whole.locate_within_distance(x.into(), 4.0 * near * near).filter(|face| is_at(face)).collect();
+        let faces = self.whole.locate_within_distance(x.into(), 4.0 * near * near);
+        let mut around: Vec<(&Face, Vec<Vector3<f64>>)> =
+            faces.map(|face| (face, on_edges(face))).filter(|(_, on)| !on.is_empty()).collect();
         let height = |face: &Face| face.normal.dot(&(x - face.corners[0]));
-        around.sort_by(|a, b| height(b).total_cmp(&height(a)).then(a.triangle.cmp(&b.triangle)));
-        around.into_iter().map(|face| [face.corners[0], face.normal]).collect()
+        around.sort_by(|(a, _), (b, _)| height(b).total_cmp(&height(a)).then(a.triangle.cmp(&b.triangle)));
+        let edge: Vec<Vector3<f64>> = around.iter().flat_map(|(_, on)| on.iter().copied()).collect();
+        let distance = edge.iter().map(|point| (at - point).norm()).fold(f64::INFINITY, f64::min).max((x - at).norm());
+        let (points, normals) = around.into_iter().map(|(face, _)| (face.corners[0], face.normal)).unzip();
+        Some(AtEdge { normals, points, edge, distance }).filter(|at| !at.edge.is_empty())
     }
 
     /// True if the straight path between two points crosses a face.

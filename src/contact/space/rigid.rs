@@ -17,6 +17,7 @@ use super::second_order::ProxySurfacesInSpace;
 use super::slip::{self, Carrier, Group, SlipsInSpace};
 use super::vectors::Vec3;
 use super::vertices::NODES;
+use crate::contact::edge_plane::{self, ACROSS_EDGE, AtEdge};
 use crate::contact::faces;
 use crate::contact::kernel::{CandidateSearch, PatchFunctions, RigidObstacle};
 use crate::contact::numbers::Number;
@@ -31,9 +32,6 @@ const SLOTS: usize = 3;
 
 /// Distance from a sharp edge of an obstacle, in smallest facets, within which a node has the plane of one face as obstacle in a step.
 const AT_EDGE: f64 = 0.02;
-
-/// Largest cosine by which the surface next to a node may recede behind the face that is chosen as obstacle of the node.
-const RECEDES: f64 = 0.1;
 
 /// Distance from a further side of an obstacle, in smallest facets, within which a node has a constraint against this side.
 const IN_POCKET: f64 = 1.0;
@@ -115,6 +113,7 @@ impl RigidInSpace {
     fn select_obstacle_sides(&mut self) {
         let (size, shift) = (self.sides.facet_size, Vector3::from(self.translations[0]));
         let mut obstacle_sides = vec![None; self.sides.weights.len()];
+        let positions: Vec<f64> = self.start.iter().flatten().copied().collect();
         for (index, of_node) in obstacle_sides.chunks_exact_mut(self.slots).enumerate().filter(|(index, _)| !self.is_hidden[*index]) {
             let x = self.start[index] - shift;
             of_node[0] = Some(self.shape.clone());
@@ -130,18 +129,29 @@ impl RigidInSpace {
                     .for_each(|(obstacle_side, side)| *obstacle_side = Some(Shape::Side(Arc::clone(facets), side)));
                 continue;
             }
-            // Near a sharp edge the plane of one face replaces the obstacle. Otherwise the step may have no solution: one face pushes the
-            // node past the edge, and without this force the node returns. If the surface next to the node recedes behind all faces, the
-            // node is in front of the edge, which remains its obstacle.
-            let planes = facets.planes_at_edge(x, AT_EDGE * size);
-            if !planes.is_empty() {
-                let rises = |normal: Vector3<f64>, other: usize| normal.dot(&(self.start[other] - self.start[index]).normalize());
-                let is_front =
-                    |&[_, normal]: &[Vector3<f64>; 2]| self.neighbors[index].iter().all(|&other| rises(normal, other) >= -RECEDES);
-                of_node[0] = planes.into_iter().find(is_front).map(|[point, normal]| Shape::Plane { point, normal });
-            }
+            of_node[0] = self.plane_at_edge(index, &positions, facets.at_edge(x, ACROSS_EDGE * size)).or(of_node[0].take());
         }
         self.obstacle_sides = obstacle_sides;
+    }
+
+    /// Plane of one face, or through the edge, in place of an obstacle near whose sharp edge a node starts the step. Otherwise the step may
+    /// have no solution: one face pushes the node past the edge, and without this force the node returns. `None` if the surface next to the
+    /// node recedes behind all faces and overlaps the edge by more than it may: the node is in front of the edge, which remains its
+    /// obstacle. `positions`: those of the surface's nodes at the start of the step.
+    fn plane_at_edge(&self, index: usize, positions: &[f64], at: Option<AtEdge<3>>) -> Option<Shape> {
+        let (at, size) = (at?, self.sides.facet_size);
+        let is_in_front = |normal: &Vector3<f64>| {
+            edge_plane::is_in_front(*normal, self.neighbors[index].iter().map(|&other| self.start[other] - self.start[index]))
+        };
+        let mut planes = at.points.iter().zip(&at.normals).map(|(point, normal)| [*point, *normal]);
+        let of_face = if at.distance <= AT_EDGE * size { planes.find(|[_, normal]| is_in_front(normal)) } else { None };
+        let through_edge = || {
+            let adjacent = self.sides.secondary.adjacent_facets(index).iter();
+            let corners = |facet: u32| self.sides.secondary.local_facet(facet as usize);
+            let facing = adjacent.map(|&facet| -faces::area_vector(corners(facet), positions));
+            edge_plane::plane_through(&at, facing, self.begins(index), size).filter(|_| !is_in_front(&at.normals[0]))
+        };
+        of_face.or_else(through_edge).map(|[point, normal]| Shape::Plane { point, normal })
     }
 
     /// Position of a node relative to the obstacle displaced by `translation`.

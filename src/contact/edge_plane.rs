@@ -1,0 +1,116 @@
+//! Plane that stands for a sharp edge of a rigid obstacle where a smooth surface slides across it.
+//!
+//! Where the edge lies between two nodes of the surface, a constraint of the edge against the facet acts along the facet's normal
+//! (`rigid_corners.rs`), with a small admitted overlap. As the edge passes a node, this node lies behind both sides of the obstacle.
+//! The force of either side would have another direction; that of the side ahead would stop the motion. In a step that begins so the
+//! constraint of the node acts along the surface's normal as well, from a plane through the edge.
+
+use nalgebra::{DMatrix, DVector, SVector};
+
+/// Distance from a sharp edge or corner of an obstacle, in smallest facets, within which the edge may stand for the obstacle. A facet
+/// inclined by 11 degrees to a side of the obstacle overlaps it up to this distance when the edge has the admitted overlap of 0.02.
+pub const ACROSS_EDGE: f64 = 0.1;
+
+/// Largest overlap with the plane at the start of a step, in smallest facets; above the admitted overlap of corners, far below a node that
+/// has entered through a side.
+const DEEP: f64 = 0.05;
+
+/// Largest cosine by which the surface next to a node may recede behind a side of the obstacle that is in front of the node.
+const RECEDES: f64 = 0.1;
+
+/// Largest number of sides at an edge or vertex that are considered.
+const SIDES: usize = 4;
+
+/// Cosine of the angle between normals below which both are those of one side.
+const ALIKE: f64 = 0.999_999;
+
+/// Sides of an obstacle at a sharp edge or convex corner near a node.
+#[derive(Clone, Debug)]
+pub struct AtEdge<const D: usize> {
+    /// Outward unit normals of the sides, first the side to which the node belongs.
+    pub normals: Vec<SVector<f64, D>>,
+    /// Point of each side's plane.
+    pub points: Vec<SVector<f64, D>>,
+    /// Nearest points of the edges.
+    pub edge: Vec<SVector<f64, D>>,
+    /// Distance of the node from the obstacle's surface, or of the nearest point there from the edge, if that is larger `[length]`.
+    pub distance: f64,
+}
+
+/// True if the surface next to a node, in the directions `around` to its neighbors, does not recede behind a side with the normal `normal`.
+pub fn is_in_front<const D: usize>(normal: SVector<f64, D>, mut around: impl Iterator<Item = SVector<f64, D>>) -> bool {
+    around.all(|to| normal.dot(&to.normalize()) >= -RECEDES)
+}
+
+/// Plane (point, normal) through an edge of an obstacle for a node at `x`. `facing`: the inward normals of the surface's facets at the node,
+/// not normalized; `size`: the smallest facet `[length]`. The normal is the direction nearest to that of a facet between the normals of the
+/// sides. `None` if the node overlaps the plane by more than the edge may.
+pub fn plane_through<const D: usize>(
+    at: &AtEdge<D>,
+    facing: impl Iterator<Item = SVector<f64, D>>,
+    x: SVector<f64, D>,
+    size: f64,
+) -> Option<[SVector<f64, D>; 2]> {
+    let own = *at.normals.first()?;
+    let mut distinct: Vec<SVector<f64, D>> = Vec::new();
+    for normal in &at.normals {
+        if distinct.len() < SIDES && distinct.iter().all(|other| other.dot(normal) < ALIKE) {
+            distinct.push(*normal);
+        }
+    }
+    let faced = facing.filter_map(|normal| normal.try_normalize(0.0)).max_by(|a, b| a.dot(&own).total_cmp(&b.dot(&own)))?;
+    let normal = nearest_between(&distinct, faced)?;
+    let point = *at.edge.iter().max_by(|a, b| a.dot(&normal).total_cmp(&b.dot(&normal)))?;
+    let gap = normal.dot(&(x - point));
+    (gap >= -DEEP * size).then(|| [point + normal * gap.min(0.0), normal])
+}
+
+/// Unit vector nearest to `direction` among the nonnegative combinations of unit vectors: of the least-squares solutions of every set of up
+/// to `D` vectors without negative coefficients the one with the largest projection.
+fn nearest_between<const D: usize>(vectors: &[SVector<f64, D>], direction: SVector<f64, D>) -> Option<SVector<f64, D>> {
+    let solved = |set: usize| -> Option<SVector<f64, D>> {
+        let chosen: Vec<SVector<f64, D>> = (0..vectors.len()).filter(|k| set >> k & 1 == 1).map(|k| vectors[k]).collect();
+        let count = chosen.len();
+        if count > D {
+            return None;
+        }
+        let products = DMatrix::from_fn(count, count, |i, k| chosen[i].dot(&chosen[k]));
+        let shares = products.cholesky()?.solve(&DVector::from_fn(count, |i, _| chosen[i].dot(&direction)));
+        let is_between = shares.iter().all(|share| *share >= 0.0);
+        let sum: SVector<f64, D> = chosen.iter().zip(shares.iter()).map(|(vector, share)| vector * *share).sum();
+        sum.try_normalize(0.0).filter(|_| is_between)
+    };
+    (1..1 << vectors.len()).filter_map(solved).max_by(|a, b| a.dot(&direction).total_cmp(&b.dot(&direction)))
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{Vector2, Vector3};
+
+    use super::*;
+
+    /// Closed forms: directions between two and three perpendicular normals, and beyond them.
+    #[test]
+    fn nearest_directions() {
+        let (left, top) = (Vector2::new(-1.0, 0.0), Vector2::new(0.0, 1.0));
+        let facet = Vector2::new(-0.6, 0.8);
+        assert!((nearest_between(&[left, top], facet).unwrap() - facet).norm() < 1e-15);
+        assert_eq!(nearest_between(&[left, top], Vector2::new(0.6, 0.8)), Some(top));
+        let [x, y, z] = [Vector3::x(), Vector3::y(), Vector3::z()];
+        let diagonal = Vector3::new(1.0, 2.0, 3.0).normalize();
+        assert!((nearest_between(&[x, y, z], diagonal).unwrap() - diagonal).norm() < 1e-15);
+        let across = nearest_between(&[x, y, z], Vector3::new(1.0, 1.0, -3.0).normalize()).unwrap();
+        assert!((across - Vector3::new(1.0, 1.0, 0.0).normalize()).norm() < 1e-15);
+        // Both triangles of a side have the same normal.
+        assert_eq!(nearest_between(&[x, x, y], (x - y).normalize()), Some(x));
+    }
+
+    #[test]
+    fn a_node_that_is_deeper_than_an_edge_may_be_keeps_its_side() {
+        let edge = vec![Vector2::zeros()];
+        let normals = vec![Vector2::new(-1.0, 0.0), Vector2::new(0.0, 1.0)];
+        let (at, facing) = (AtEdge { points: vec![edge[0]; 2], normals, edge, distance: 0.0 }, Vector2::new(-0.6, 0.8));
+        let plane = |depth: f64| plane_through(&at, std::iter::once(facing), -depth * facing, 1.0);
+        assert!(plane(0.02).is_some() && plane(0.08).is_none());
+    }
+}
