@@ -17,7 +17,7 @@ const BEND_SLACK: f64 = 3.5;
 
 /// Cosine of the smallest angle at a corner for methods with nodal constraints, 10 degrees: there no weighted gap constrains the primary
 /// nodes.
-const CORNER_BESIDE_NODES: f64 = 0.985;
+pub(super) const CORNER_BESIDE_NODES: f64 = 0.985;
 
 /// Cosine of the angle, 2 degrees, above which a corner of the reference positions remains a corner as the body deforms.
 const BENT: f64 = 0.9994;

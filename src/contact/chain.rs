@@ -11,8 +11,9 @@
 //! Beyond the end of a chain the gap is the distance to the continuation of the end facet where that is positive, else zero, and the point
 //! is not covered. A point opposite the end up to round-off is covered.
 
-use nalgebra::SVector;
+use nalgebra::{SVector, Vector2};
 
+use super::edge_plane::AtEdge;
 use super::numbers::Number;
 use super::profile::Profile;
 use crate::math::tolerances::CHAIN_END;
@@ -180,6 +181,28 @@ impl Chain {
         let mut branches = [[facet, side as u32], [neighbor, 1 - side as u32]];
         branches.sort_unstable();
         (if side == 1 { turn < -sine } else { turn > sine }).then_some(branches)
+    }
+
+    /// Sides of the chain at its convex corner within `near` of the point, whose gap is `measure`.
+    pub fn at_corner(&self, measure: &Measure, z: &[f64], near: f64) -> Option<AtEdge<2>> {
+        if !measure.covered || self.pocket(measure.facet, z, 0.0).is_some() {
+            return None;
+        }
+        let own = measure.facet as usize;
+        let at = |node: u32| Vector2::new(z[2 * node as usize], z[2 * node as usize + 1]);
+        let distances = self.facets[own].map(|node| (at(0) - at(node)).norm());
+        let end = usize::from(distances[1] < distances[0]);
+        let corner = at(self.facets[own][end]);
+        let beside = self.neighbors[own][end];
+        let sides = std::iter::once(own).chain((beside != NONE).then_some(beside as usize));
+        let normals: Vec<Vector2<f64>> = sides
+            .map(|facet| {
+                let [x, y] = self.offsets(facet, z).0;
+                Vector2::new(y, -x).normalize()
+            })
+            .collect();
+        let at = AtEdge { points: vec![corner; normals.len()], normals, edge: vec![corner], distance: distances[end] };
+        (at.distance <= near).then_some(at)
     }
 
     /// Facet vector, and vector from its first node to the point.

@@ -7,6 +7,8 @@
 
 use nalgebra::{DMatrix, DVector, SVector};
 
+use super::bends::CORNER_BESIDE_NODES;
+
 /// Distance from a sharp edge or corner of an obstacle, in smallest facets, within which the edge may stand for the obstacle. A facet
 /// inclined by 11 degrees to a side of the obstacle overlaps it up to this distance when the edge has the admitted overlap of 0.02.
 pub const ACROSS_EDGE: f64 = 0.1;
@@ -63,6 +65,19 @@ pub fn plane_through<const D: usize>(
     let point = *at.edge.iter().max_by(|a, b| a.dot(&normal).total_cmp(&b.dot(&normal)))?;
     let gap = normal.dot(&(x - point));
     (gap >= -DEEP * size).then(|| [point + normal * gap.min(0.0), normal])
+}
+
+/// True if a sharp edge of another body, which has constraints of its own against the facets of the node, passes a node that is not in front
+/// of the side to which it belongs. Arguments as for [`plane_through`] and [`is_in_front`].
+pub fn is_passed<const D: usize>(
+    at: &AtEdge<D>,
+    around: impl Iterator<Item = SVector<f64, D>>,
+    facing: impl Iterator<Item = SVector<f64, D>>,
+    x: SVector<f64, D>,
+    size: f64,
+) -> bool {
+    let is_sharp = at.normals.iter().any(|normal| normal.dot(&at.normals[0]) < CORNER_BESIDE_NODES);
+    is_sharp && !is_in_front(at.normals[0], around) && plane_through(at, facing, x, size).is_some()
 }
 
 /// Unit vector nearest to `direction` among the nonnegative combinations of unit vectors: of the least-squares solutions of every set of up

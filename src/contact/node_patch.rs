@@ -27,6 +27,8 @@ pub struct PointStart {
     pub pocket: Option<[[u32; 2]; 2]>,
     /// Facet whose straight line defines the gap in this step, for a corner that crosses a corner of the other side.
     pub line: Option<u32>,
+    /// True if the point has no constraint in this step although facets are opposite: another one keeps both sides apart.
+    pub is_excluded: bool,
     /// Disk with its center at the point; `None` for a point of a surface.
     pub round: Option<Round>,
     /// Slack (admitted overlap) of the constraint, relative to that of the pair.
@@ -104,7 +106,8 @@ impl PointStart {
         let crossed = crossed(self);
         if let Some(line) = crossed {
             self.line = line;
-            if line.is_none() {
+            self.is_excluded = line.is_none();
+            if self.is_excluded {
                 self.closest.fill(false);
             }
             self.measures = self.measures(&self.positions);

@@ -11,9 +11,12 @@
 //! search distance changes no gap. The method fails the contact patch test, and two polygons that are pressed into each other lock with the
 //! nodes in the corners; mortar methods are the default.
 
+use nalgebra::Vector2;
+
 use super::bends::Bends;
-use super::chain::Chain;
+use super::chain::{Chain, Measure};
 use super::depth::NodePosition;
+use super::edge_plane::{self, ACROSS_EDGE};
 use super::kernel::{CandidateSearch, PatchFunctions, RigidObstacle};
 use super::method::ContactMethod;
 use super::node_patch::{self, PointStart};
@@ -172,7 +175,7 @@ impl NodeToSegment {
         for pairs in self.candidates.pairs().chunk_by(|a, b| a[0] == b[0]) {
             let point = pairs[0][0];
             let primary = &self.sides.primary;
-            let facets = with_neighbors(primary, &with_neighbors(primary, &pairs.iter().map(|pair| pair[1]).collect::<Vec<_>>()));
+            let facets = primary.with_neighbors(&primary.with_neighbors(&pairs.iter().map(|pair| pair[1]).collect::<Vec<_>>()));
             let mut nodes: Vec<u32> = facets.iter().flat_map(|&facet| primary.facets()[facet as usize]).collect();
             nodes.sort_unstable();
             nodes.dedup();
@@ -248,8 +251,8 @@ impl NodeToSegment {
         if slack.is_none() {
             admitted.clear();
         }
-        let mut closest = with_neighbors(primary, &admitted);
-        let facets = with_neighbors(primary, &closest);
+        let mut closest = primary.with_neighbors(&admitted);
+        let facets = primary.with_neighbors(&closest);
         closest.retain(|&facet| self.candidates.may_list([point as u32, facet]));
         let mut places = vec![0];
         let mut chain = Vec::with_capacity(facets.len());
@@ -288,9 +291,12 @@ impl NodeToSegment {
 
     /// Facet whose line defines the gap of a corner that crosses a corner of the other side; `Some(None)`: no gap; `None`: no crossing.
     fn crossed(&self, p: usize, start: &PointStart, q: &[f64]) -> Option<Option<u32>> {
+        let measure = start.chain.measure(&start.positions, &start.closest)?;
+        if self.corners.is_none() {
+            return self.is_passed(self.point(p), &measure, start, q).then_some(None);
+        }
         // If corners of the other side have no constraints, the usual gap applies.
         let Some(Corners::Bends { is_mutual: true, .. }) = self.corners else { return None };
-        let measure = start.chain.measure(&start.positions, &start.closest)?;
         let tip = self.tip(self.point(p), q)?;
         let distance = |tip: &Tip| (tip.at[0] - start.positions[0]).hypot(tip.at[1] - start.positions[1]);
         let tips = start.chain.corners().filter(|(facets, _)| facets.contains(&measure.facet)).map(|(facets, nodes)| {
@@ -307,6 +313,16 @@ impl NodeToSegment {
         }
     }
 
+    /// True if a corner of the other side passes a node: the constraint of the corner against the facets of the node acts, not the node's
+    /// own one, which would push the node back from the side of the corner that lies ahead (`edge_plane.rs`).
+    fn is_passed(&self, point: usize, measure: &Measure, start: &PointStart, q: &[f64]) -> bool {
+        let (size, Some(tip)) = (self.sides.facet_size, self.tip(point, q)) else { return false };
+        let Some(at) = start.chain.at_corner(measure, &start.positions, ACROSS_EDGE * size) else { return false };
+        let around = [tip.before, tip.after].map(|node| Vector2::from(node) - Vector2::from(tip.at)).into_iter();
+        let facing = self.normals(point, q).into_iter().map(|normal| -Vector2::from(normal));
+        edge_plane::is_passed(&at, around, facing, tip.at.into(), size)
+    }
+
     /// Corner at a secondary node, with both adjacent nodes.
     fn tip(&self, point: usize, q: &[f64]) -> Option<Tip> {
         let &[one, other] = self.own_facets(point) else { return None };
@@ -320,15 +336,6 @@ impl NodeToSegment {
     fn is_overlapped(&self, start: &PointStart) -> bool {
         self.corners.is_some() && start.measures.iter().flatten().any(|measure| measure.gap <= -OVERLAP_OF_SURFACES * self.sides.facet_size)
     }
-}
-
-/// Facets with their neighbors, ascending.
-fn with_neighbors(surface: &Surface, facets: &[u32]) -> Vec<u32> {
-    let mut all: Vec<u32> = facets.iter().flat_map(|&facet| surface.neighbors(facet as usize)).flatten().collect();
-    all.extend(facets);
-    all.sort_unstable();
-    all.dedup();
-    all
 }
 
 /// Pairs (point, primary facet) of self-contact that are excluded, ascending: pairs that are excluded for one of the facets adjacent to the
@@ -445,14 +452,9 @@ impl CandidateSearch for NodeToSegment {
                 // Count only facets that would have been admitted if the motion had been known at the start.
                 let p = self.facets.iter().enumerate().position(|(p, _)| self.point(p) == point);
                 let was = p.is_some_and(|p| {
-                    let start = &self.start[p];
-                    let nodes = self.sides.patches.nodes(p);
-                    start
-                        .chain
-                        .facets()
-                        .iter()
-                        .zip(&start.closest)
-                        .any(|(local, &closest)| closest && local.map(|index| nodes[start.places[index as usize] as usize]) == ends)
+                    let (start, nodes) = (&self.start[p], self.sides.patches.nodes(p));
+                    let is_it = |local: &[u32; 2]| local.map(|index| nodes[start.places[index as usize] as usize]) == ends;
+                    start.chain.facets().iter().zip(&start.closest).any(|(local, closest)| *closest && is_it(local)) || start.is_excluded
                 });
                 !was && self.slack_beside(point, &[facet]).is_some()
                     && self.admits(point, facet, &self.normals(point, q_0), &predicted_motion)

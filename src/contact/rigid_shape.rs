@@ -143,27 +143,9 @@ impl PlaneOutline {
     /// Sides of a polyline at a convex corner within `near` of a point.
     pub(super) fn at_corner(&self, x: [f64; 2], near: f64) -> Option<AtEdge<2>> {
         let PlaneOutline::Polyline { tree, corners } = self else { return None };
-        let nearest = tree.nearest_neighbor(x)?;
-        let (chain, points) = &corners[nearest.data];
+        let (chain, points) = &corners[tree.nearest_neighbor(x)?.data];
         let z: Vec<f64> = x.iter().chain(&points[2..]).copied().collect();
-        let measure = chain.measure(&z, &[true; 3])?;
-        if !measure.covered || chain.pocket(measure.facet, &z, 0.0).is_some() {
-            return None;
-        }
-        let own = measure.facet as usize;
-        let ends = |facet: &[u32; 2]| facet.map(|node| Vector2::new(z[2 * node as usize], z[2 * node as usize + 1]));
-        let distances = ends(&chain.facets()[own]).map(|end| (Vector2::from(x) - end).norm());
-        let end = usize::from(distances[1] < distances[0]);
-        let beside = if end == 1 { own + 1 } else { own.wrapping_sub(1) };
-        let sides = std::iter::once(own).chain(Some(beside)).filter_map(|facet| chain.facets().get(facet));
-        let normal = |facet: &[u32; 2]| {
-            let [from, to] = ends(facet);
-            Vector2::new(to.y - from.y, from.x - to.x).normalize()
-        };
-        let corner = ends(&chain.facets()[own])[end];
-        let normals: Vec<Vector2<f64>> = sides.map(normal).collect();
-        let at = AtEdge { points: vec![corner; normals.len()], normals, edge: vec![corner], distance: distances[end] };
-        (at.distance <= near).then_some(at)
+        chain.at_corner(&chain.measure(&z, &[true; 3])?, &z, near)
     }
 
     /// Rigid motion of the obstacle's surface in a step, for friction: a displacement and, for a circle, a rotation about its center.

@@ -165,6 +165,15 @@ impl Surface {
         })
     }
 
+    /// Facets with their neighbors, ascending.
+    pub fn with_neighbors(&self, facets: &[u32]) -> Vec<u32> {
+        let mut all: Vec<u32> = facets.iter().flat_map(|&facet| self.neighbors(facet as usize)).flatten().collect();
+        all.extend(facets);
+        all.sort_unstable();
+        all.dedup();
+        all
+    }
+
     /// Ranks of the facets of this and of another surface, by which exactly one of the two orders of a pair of common facets is ascending.
     /// `None` without common facets.
     pub fn ranks(&self, other: &Surface) -> Option<[Vec<u32>; 2]> {
