@@ -20,6 +20,10 @@ const DEEP: f64 = 0.05;
 /// Largest cosine by which the surface next to a node may recede behind a side of the obstacle that is in front of the node.
 const RECEDES: f64 = 0.1;
 
+/// Cosine of the angle between the facets at a node, 45 degrees, from which on the node is a tip, whose own constraint is needed. A load at
+/// one node of a coarse surface bends it by more than 20 degrees.
+const TIP: f64 = 0.707;
+
 /// Largest number of sides at an edge or vertex that are considered.
 const SIDES: usize = 4;
 
@@ -67,17 +71,21 @@ pub fn plane_through<const D: usize>(
     (gap >= -DEEP * size).then(|| [point + normal * gap.min(0.0), normal])
 }
 
-/// True if a sharp edge of another body, which has constraints of its own against the facets of the node, passes a node that is not in front
-/// of the side to which it belongs. Arguments as for [`plane_through`] and [`is_in_front`].
+/// True if a sharp edge of another body, which has constraints of its own against the facets of the node, passes a node of a smooth part of
+/// the surface that is not in front of the side to which it belongs. `facing`: unit vectors; other arguments as for [`plane_through`] and
+/// [`is_in_front`].
 pub fn is_passed<const D: usize>(
     at: &AtEdge<D>,
     around: impl Iterator<Item = SVector<f64, D>>,
-    facing: impl Iterator<Item = SVector<f64, D>>,
+    facing: &[SVector<f64, D>],
     x: SVector<f64, D>,
     size: f64,
 ) -> bool {
-    let is_sharp = at.normals.iter().any(|normal| normal.dot(&at.normals[0]) < CORNER_BESIDE_NODES);
-    is_sharp && !is_in_front(at.normals[0], around) && plane_through(at, facing, x, size).is_some()
+    let bends = |normals: &[SVector<f64, D>], cosine: f64| normals.iter().any(|normal| normal.dot(&normals[0]) < cosine);
+    bends(&at.normals, CORNER_BESIDE_NODES)
+        && !bends(facing, TIP)
+        && !is_in_front(at.normals[0], around)
+        && plane_through(at, facing.iter().copied(), x, size).is_some()
 }
 
 /// Unit vector nearest to `direction` among the nonnegative combinations of unit vectors: of the least-squares solutions of every set of up

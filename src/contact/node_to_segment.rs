@@ -319,8 +319,8 @@ impl NodeToSegment {
         let (size, Some(tip)) = (self.sides.facet_size, self.tip(point, q)) else { return false };
         let Some(at) = start.chain.at_corner(measure, &start.positions, ACROSS_EDGE * size) else { return false };
         let around = [tip.before, tip.after].map(|node| Vector2::from(node) - Vector2::from(tip.at)).into_iter();
-        let facing = self.normals(point, q).into_iter().map(|normal| -Vector2::from(normal));
-        edge_plane::is_passed(&at, around, facing, tip.at.into(), size)
+        let facing: Vec<Vector2<f64>> = self.normals(point, q).into_iter().map(|normal| -Vector2::from(normal)).collect();
+        edge_plane::is_passed(&at, around, &facing, tip.at.into(), size)
     }
 
     /// Corner at a secondary node, with both adjacent nodes.
