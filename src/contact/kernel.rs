@@ -68,15 +68,15 @@ pub trait PatchFunctions {
         self.secondary().nodes()
     }
 
-    /// Node to which output assigns the multiplier of constraint `row`, if the constraint acts on nodes other than those of the surface
+    /// Node to which output at the positions `_q` assigns the multiplier of constraint `row`, if the constraint acts on nodes other than those of the surface
     /// (masters of a rigid body).
-    fn shown_at(&self, _row: usize) -> Option<u32> {
+    fn shown_at(&self, _row: usize, _q: &[f64]) -> Option<u32> {
         None
     }
 
     /// Node of the primary side to which output assigns the opposite force; `None` for obstacles, and where forces act on nodes of the
     /// surface.
-    fn shown_on_primary(&self, _row: usize) -> Option<u32> {
+    fn shown_on_primary(&self, _row: usize, _q: &[f64]) -> Option<u32> {
         None
     }
 

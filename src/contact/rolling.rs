@@ -72,8 +72,6 @@ pub(super) struct RollingContact<const D: usize, S> {
     start: Vec<SVector<f64, D>>,
     /// Tilt of the part of each constraint at the start of the step.
     at_start: Vec<Tilt>,
-    /// Nodes of the secondary and of the primary side nearest to the contact point of each part at the start of the step.
-    nearest: Vec<[u32; 2]>,
     /// Side of the obstacle for each constraint in this step, with its normal at the start; `None` for absent constraints.
     obstacle_sides: Vec<Option<(S, SVector<f64, D>)>>,
 }
@@ -106,7 +104,6 @@ impl<const D: usize, S: ObstacleSide<D>> RollingContact<D, S> {
     fn of_rollers(surface: Surface, rollers: Vec<Roller<S>>, count: usize, reference: &[f64]) -> Self {
         let mut sides = Sides::of(surface, if D == 2 { Surface::new(&[]) } else { Surface::in_space([]) }, reference);
         sides.weights = vec![sides.facet_size.powi(D as i32 - 1); count * rollers.len()];
-        let nearest = rollers.iter().map(|roller| [roller.part.inside[0]; 2]).collect();
         let obstacle_sides = vec![None; sides.weights.len()];
         let at_start = vec![Tilt::of(0.0); sides.weights.len()];
         let start = vec![SVector::zeros(); rollers.len()];
@@ -120,7 +117,6 @@ impl<const D: usize, S: ObstacleSide<D>> RollingContact<D, S> {
             carried: Default::default(),
             start,
             at_start,
-            nearest,
             obstacle_sides,
         };
         contact.list_elements();
@@ -171,6 +167,12 @@ impl<const D: usize, S: ObstacleSide<D>> RollingContact<D, S> {
     /// Center of a part relative to the obstacle at the start (0), in the middle (1) or at the end (2) of the step.
     fn center(&self, roller: usize, q: &[f64], time: usize) -> SVector<f64, D> {
         self.rollers[roller].center::<D>(q) - self.moved(time)
+    }
+
+    /// Nodes of the secondary and of the primary side nearest to the contact point of a part.
+    fn nearest(&self, roller: usize, q: &[f64]) -> [u32; 2] {
+        let normal = self.rollers[roller].shape.at(self.center(roller, q, 2)).normal;
+        self.rollers[roller].nearest(q, normal)
     }
 
     /// Tilt of a part's axis relative to a normal for the masters at `q`; zero for arcs and spheres.
@@ -267,13 +269,13 @@ where
         &[]
     }
 
-    fn shown_at(&self, row: usize) -> Option<u32> {
-        Some(self.nearest[row / self.count][0])
+    fn shown_at(&self, row: usize, q: &[f64]) -> Option<u32> {
+        Some(self.nearest(row / self.count, q)[0])
     }
 
-    fn shown_on_primary(&self, row: usize) -> Option<u32> {
+    fn shown_on_primary(&self, row: usize, q: &[f64]) -> Option<u32> {
         let roller = row / self.count;
-        self.rollers[roller].other.as_ref().map(|_| self.nearest[roller][1])
+        self.rollers[roller].other.as_ref().map(|_| self.nearest(roller, q)[1])
     }
 
     fn carriers(&self, row: usize) -> &[u32] {
@@ -292,7 +294,6 @@ where
             let shape = &self.rollers[roller].shape;
             let Local { normal, .. } = shape.at(x);
             let near = if self.is_near[roller] { shape.near(x, radius, spare) } else { Vec::new() };
-            self.nearest[roller] = self.rollers[roller].nearest(q_0, normal);
             let of_side = |side: S| {
                 let local = side.at(x);
                 let tilt = self.nearer(roller, local.normal, q_0);

@@ -168,7 +168,7 @@ mod tests {
             (0..q_0.len()).map(|k| rows.iter().zip(by).map(|(row, by)| by * row[k]).sum()).collect()
         };
         let of_gaps = |at: &Evaluation| combined(rows(&at.gradient_bar, patches, lambda.len()), lambda);
-        let is_obstacle = kernel.shown_on_primary(0).is_none();
+        let is_obstacle = kernel.shown_on_primary(0, q_0).is_none();
         let (force, none) = (of_gaps(&out), vec![0.0; lambda.len()]);
         let mut of_obstacle = vec![0.0; q_0.len()];
         let by_motion = kernel.obstacle_force_into(Derivative::DiscreteGradient, &q_1, &none, lambda, &mut of_obstacle);

@@ -191,8 +191,8 @@ impl PatchFunctions for TurningContact {
         self.inner.row_nodes()
     }
 
-    fn shown_at(&self, row: usize) -> Option<u32> {
-        self.inner.shown_at(row)
+    fn shown_at(&self, row: usize, q: &[f64]) -> Option<u32> {
+        self.inner.shown_at(row, &self.in_frame(q, END))
     }
 
     fn carriers(&self, row: usize) -> &[u32] {

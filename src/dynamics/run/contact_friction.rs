@@ -46,7 +46,7 @@ pub fn add_friction<const D: usize>(contact: LoadedContact, corners: &[LoadedCon
             let local = row.row - corners.pair.rows.start;
             if corners.lambda[local] > 0.0 {
                 let ratio = shear[local].abs() / corners.lambda[local];
-                let shown = corners.pair.kernel.shown_at(local);
+                let shown = corners.pair.kernel.shown_at(local, corners.q);
                 let nodes = shown.as_ref().map_or(row.nodes, std::slice::from_ref);
                 nodes.iter().filter_map(|&node| secondary.index(node)).for_each(|index| largest[index] = largest[index].max(ratio));
             }
@@ -163,11 +163,11 @@ fn rows_between(contact: LoadedContact, corners: &LoadedContact) -> Vec<Vec<(usi
     let mut nodes = vec![Vec::new(); corners.active.len()];
     let belongs = |row: usize| corner_node(contact, corners, row / stride).is_some();
     for (row, nodes) in nodes.iter_mut().enumerate() {
-        nodes.extend(pair.kernel.shown_at(row).and_then(|node| Some((secondary.index(node)?, 1.0))));
+        nodes.extend(pair.kernel.shown_at(row, corners.q).and_then(|node| Some((secondary.index(node)?, 1.0))));
     }
     for row in pair.live_rows(corners.evaluation) {
         let local = row.row - pair.rows.start;
-        if belongs(local) || pair.kernel.shown_at(local).is_some() {
+        if belongs(local) || pair.kernel.shown_at(local, corners.q).is_some() {
             continue;
         }
         let gradients = corners.evaluation.gradient_end[row.gradient.clone()].chunks_exact(patches.dimension());

@@ -28,6 +28,8 @@ pub struct ContactForces {
 #[derive(Clone, Copy)]
 pub struct LoadedContact<'a> {
     pub pair: &'a ContactPair,
+    /// Positions of the nodes `[length]`.
+    pub q: &'a [f64],
     pub evaluation: &'a Evaluation,
     pub lambda: &'a [f64],
     pub active: &'a [RowState],
@@ -89,7 +91,7 @@ impl LoadedContact<'_> {
                 continue;
             }
             let kernel = &self.pair.kernel;
-            let shown_at = if is_shown { [kernel.shown_at(normal), kernel.shown_on_primary(normal)] } else { [None; 2] };
+            let shown_at = if is_shown { [kernel.shown_at(normal, self.q), kernel.shown_on_primary(normal, self.q)] } else { [None; 2] };
             let mut whole = [[0.0; 3]; 2];
             for (&node, gradient) in row.nodes.iter().zip(gradients[row.gradient].chunks_exact(D)) {
                 let mut force = [0.0; 3];

@@ -18,6 +18,8 @@ use crate::dynamics::step::equations::Equations;
 
 /// Evaluated contact pairs with multipliers and states at a configuration.
 pub struct EvaluatedContacts<'a> {
+    /// Positions at which they are evaluated `[length]`.
+    pub q: &'a [f64],
     /// Normal constraints of the pairs.
     pub evaluations: &'a [Evaluation],
     /// Tangential constraints of the pairs.
@@ -43,7 +45,7 @@ where
         let [mut contact_active, mut contact_state, mut contact_slip] = [(); 3].map(|()| vec![0.0; nodes]);
         let there = self.evaluated_at(q);
         for (index, pair) in self.system.contacts().filter(|(_, pair)| pair.kind != PairKind::Tie) {
-            let (contact, corners) = self.loaded(index, &there);
+            let (contact, corners) = self.loaded(index, q, &there);
             let forces = contact_forces::<D>(contact, &corners, q);
             for (index, (node, force)) in forces.all.into_iter().enumerate() {
                 (0..3).for_each(|i| contact_force[node as usize][i] += force[i]);
@@ -222,7 +224,7 @@ where
     pub fn contact_fields(&self, name: &str) -> Option<ContactFields> {
         let (index, _) = self.system.contacts().find(|(_, pair)| pair.name == name)?;
         let there = self.evaluated_at(&self.state.positions);
-        let (contact, corners) = self.loaded(index, &there);
+        let (contact, corners) = self.loaded(index, &self.state.positions, &there);
         let order = contact.pair.kernel.secondary().along();
         Some(contact_fields::<D>(contact, &corners, &self.state.positions).in_order(&order))
     }
@@ -237,7 +239,7 @@ where
             (body, node - self.system.bodies[body].nodes.start)
         };
         let of = |(index, pair): (usize, &ContactPair)| {
-            let (contact, corners) = self.loaded(index, &there);
+            let (contact, corners) = self.loaded(index, &self.state.positions, &there);
             let surface = pair.kernel.secondary();
             let order = surface.along();
             let mut rank = vec![0; order.len()];
@@ -265,9 +267,9 @@ where
     }
 
     /// A contact and its corners with the evaluations of all pairs, in the present state.
-    fn loaded<'a>(&'a self, index: usize, [evaluations, slips]: &'a [Vec<Evaluation>; 2]) -> (LoadedContact<'a>, Vec<LoadedContact<'a>>) {
+    fn loaded<'a>(&'a self, index: usize, q: &'a [f64], [evaluations, slips]: &'a [Vec<Evaluation>; 2]) -> (LoadedContact<'a>, Vec<LoadedContact<'a>>) {
         let State { lambda, active, slipped, .. } = &*self.state;
-        loaded(&self.system, index, &EvaluatedContacts { evaluations, slips, lambda, active, slipped })
+        loaded(&self.system, index, &EvaluatedContacts { q, evaluations, slips, lambda, active, slipped })
     }
 
     /// Sums over each contact at `q`.
@@ -331,7 +333,7 @@ fn loaded<'a, const D: usize>(
     index: usize,
     touching: &EvaluatedContacts<'a>,
 ) -> (LoadedContact<'a>, Vec<LoadedContact<'a>>) {
-    let &EvaluatedContacts { evaluations, slips, lambda, active, slipped } = touching;
+    let &EvaluatedContacts { q, evaluations, slips, lambda, active, slipped } = touching;
     let of = |k: usize| {
         let pair = &system.pairs[k];
         let tangential = pair.friction.as_ref().map(|friction| Tangential {
@@ -342,7 +344,7 @@ fn loaded<'a, const D: usize>(
             count: friction.tangents,
         });
         let (lambda, active) = (&lambda[pair.rows.clone()], &active[pair.rows.clone()]);
-        LoadedContact { pair, evaluation: &evaluations[k], lambda, active, tangential }
+        LoadedContact { pair, q, evaluation: &evaluations[k], lambda, active, tangential }
     };
     let corners = (0..system.pairs.len()).filter(|&k| system.pairs[k].corners.is_some_and(|corners| corners.pair == index));
     (of(index), corners.map(of).collect())

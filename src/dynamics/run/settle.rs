@@ -151,7 +151,7 @@ where
         state.search = self.system.search();
         self.system.lead_positions(&mut state.displacements, &mut state.positions);
         let State { positions: q, lambda, active, slipped, .. } = &*self.state;
-        let touching = EvaluatedContacts { evaluations: &at.pairs, slips: &at.slips, lambda, active, slipped };
+        let touching = EvaluatedContacts { q, evaluations: &at.pairs, slips: &at.slips, lambda, active, slipped };
         let contacts = self.contact_totals(q, &touching);
         let reaction = |k: usize| at.forces.whole(at.forces.residual(k));
         let mut reactions = self.reactions(|k| q[k], reaction);

@@ -68,7 +68,7 @@ impl<const D: usize> Equations<D> {
             let (nodes, stride) = (kernel.row_nodes(), kernel.rows_per_node());
             let place = |row: usize| {
                 let mut point = [0.0; 3];
-                if let Some(node) = nodes.get(row / stride).copied().or_else(|| kernel.shown_at(row)) {
+                if let Some(node) = nodes.get(row / stride).copied().or_else(|| kernel.shown_at(row, q)) {
                     point[..D].copy_from_slice(&q[node as usize * D..(node as usize + 1) * D]);
                 }
                 point
