@@ -110,6 +110,11 @@ pub const STRAIN_INCREMENT: f64 = 1e-8;
 /// quotient and is exact to round-off.
 pub const STRAIN_QUOTIENT: f64 = 5e-3;
 
+/// Size of strains up to which energies given as text, and their changes, are integrals of the stress by Simpson's rule: their terms of
+/// first order cancel, and leave round-off of `1e-16/|E|` of the energy. The error of the rule is `1e-16/2880` times the fourth derivative
+/// of the stress over its first one.
+pub const SMALL_STRAIN: f64 = 1e-4;
+
 /// Change of the mean volume ratio above which a difference quotient of the energy is used for energies with kinks in their slope. At this
 /// size, the square root of 1e-16, the round-off of the quotient equals the quadrature error at a kink.
 pub const KINK_QUOTIENT: f64 = 1e-8;

@@ -135,7 +135,14 @@ where
         self.book_momentum_defects(&mut row, start, &at, &outside, jump.as_ref());
         let mut slipped = slipped(system, &self.state.slipped, &at, 0.0, (&lambda, &active));
         jump.iter().for_each(|jump| add_heat(&mut slipped, &jump.friction[system.normal_count..]));
-        let touching = EvaluatedContacts { q: &at.q_1, evaluations: &at.pairs, slips: &at.slips, lambda: &lambda, active: &touched, slipped: &slipped };
+        let touching = EvaluatedContacts {
+            q: &at.q_1,
+            evaluations: &at.pairs,
+            slips: &at.slips,
+            lambda: &lambda,
+            active: &touched,
+            slipped: &slipped,
+        };
         self.book_contacts(&mut row, &at.q_1, &touching, jump.as_ref(), &frictional);
         row.reactions = self.reactions_after(start, &at, &lambda, jump.as_ref())?;
         let accelerations = self.accelerations_to(&v_1, dt);

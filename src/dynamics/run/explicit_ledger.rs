@@ -79,8 +79,14 @@ where
         row.potential = self.potential(&at, &penalty_gap, &memory);
         self.book_explicit_work(&mut row, motion, &leap, &at, &forces, (&ends, &v_1));
         self.book_explicit_momenta(&mut row, start, &at, &ends);
-        let touching =
-            EvaluatedContacts { q: &at.q_1, evaluations: &at.pairs, slips: &at.slips, lambda: &leap.lambda[1], active: &active, slipped: &[] };
+        let touching = EvaluatedContacts {
+            q: &at.q_1,
+            evaluations: &at.pairs,
+            slips: &at.slips,
+            lambda: &leap.lambda[1],
+            active: &active,
+            slipped: &[],
+        };
         self.book_contacts(&mut row, &at.q_1, &touching, None, &[]);
         let middle = |k: usize| 0.5 * (start.q_0[k] + at.q_1[k]);
         row.reactions = self.reactions(middle, |k| ends.reactions[0][k] + ends.reactions[1][k]);

@@ -267,7 +267,12 @@ where
     }
 
     /// A contact and its corners with the evaluations of all pairs, in the present state.
-    fn loaded<'a>(&'a self, index: usize, q: &'a [f64], [evaluations, slips]: &'a [Vec<Evaluation>; 2]) -> (LoadedContact<'a>, Vec<LoadedContact<'a>>) {
+    fn loaded<'a>(
+        &'a self,
+        index: usize,
+        q: &'a [f64],
+        [evaluations, slips]: &'a [Vec<Evaluation>; 2],
+    ) -> (LoadedContact<'a>, Vec<LoadedContact<'a>>) {
         let State { lambda, active, slipped, .. } = &*self.state;
         loaded(&self.system, index, &EvaluatedContacts { q, evaluations, slips, lambda, active, slipped })
     }

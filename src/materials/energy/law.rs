@@ -7,12 +7,11 @@ use std::cell::RefCell;
 use std::hint::black_box;
 
 use super::graph::{Graph, Id};
+use super::small_strain::{Sizes, simpson, work};
 use super::spectrum::Spectrum;
 use super::state::Variables;
-use super::tape::{Block, Root, Tape};
-use super::variable::Variable;
+use super::tape::{Block, Tape};
 use crate::materials::batched::{BatchedLaw, Components, IncrementResponse, Response};
-use crate::materials::split::VolumetricLaw;
 use crate::math::lanes::{Lanes, Real, relabel, relabel_rows};
 use crate::math::simd::{Kernel, dispatch};
 use crate::math::tensor::Mandel;
@@ -32,7 +31,7 @@ thread_local! {
 const POINTS: usize = 4;
 
 /// Runs a computation with `count` registers of a block, and buffers for principal stretches.
-fn with_scratch<const N: usize>(count: usize, spectra: usize, compute: impl FnOnce(&mut [Block<N>], &mut [Spectrum<false>])) {
+pub(super) fn with_scratch<const N: usize>(count: usize, spectra: usize, compute: impl FnOnce(&mut [Block<N>], &mut [Spectrum<false>])) {
     SCRATCH.with_borrow_mut(|scratch| {
         if scratch.registers.len() < count * N {
             scratch.registers.resize(count * N, Lanes::ZERO);
@@ -57,9 +56,9 @@ pub(crate) struct EnergyLaw<const S: usize> {
 }
 
 /// Stage of the tape that computes the energy.
-const ENERGY: usize = 0;
+pub(super) const ENERGY: usize = 0;
 /// Stage of the tape that computes energy and first derivatives.
-const SLOPES: usize = 1;
+pub(super) const SLOPES: usize = 1;
 /// Stage of the tape that computes energy, first and second derivatives.
 const RESPONSE: usize = 2;
 
@@ -88,11 +87,11 @@ impl<const S: usize> EnergyLaw<S> {
 }
 
 /// Runs a tape up to a stage, from its beginning or from an earlier stage.
-struct Run<'a, const N: usize> {
-    tape: &'a Tape,
-    stage: usize,
-    start: Option<&'a [Block<N>]>,
-    registers: &'a mut [Block<N>],
+pub(super) struct Run<'a, const N: usize> {
+    pub(super) tape: &'a Tape,
+    pub(super) stage: usize,
+    pub(super) start: Option<&'a [Block<N>]>,
+    pub(super) registers: &'a mut [Block<N>],
 }
 
 impl<const N: usize> Kernel for Run<'_, N> {
@@ -249,12 +248,26 @@ macro_rules! law {
             }
 
             fn energy_block<const N: usize>(&self, strains: &[Components<$size>; N], energy: &mut [Lanes<false>; N]) {
-                with_scratch(self.tape.registers(), self.spectra::<N>(), |registers, spectra| {
-                    self.run_at(ENERGY, strains, registers, spectra);
+                let sizes = Sizes::of([strains], self.tape.has_kinks_near_rest());
+                if sizes.has_large() {
+                    with_scratch(self.tape.registers(), self.spectra::<N>(), |registers, spectra| {
+                        self.run_at(ENERGY, strains, registers, spectra);
+                        for n in 0..N {
+                            energy[n] = self.tape.roots[0].deviation(registers, n).unwrap_or(Lanes::ZERO);
+                        }
+                    });
+                }
+                if sizes.has_small() {
+                    let half = strains.map(|strain| strain.map(|component| component * 0.5));
+                    let [mut at_half, mut at_end] = [[[Lanes::ZERO; $size]; N]; 2];
+                    self.stress_block(&half, &mut at_half);
+                    self.stress_block(strains, &mut at_end);
                     for n in 0..N {
-                        energy[n] = self.tape.roots[0].deviation(registers, n).unwrap_or(Lanes::ZERO);
+                        let at_rest = self.stress_at_rest().0;
+                        let mean = std::array::from_fn(|s| simpson([at_rest[s], at_half[n][s], at_end[n][s]]));
+                        energy[n] = sizes.select(n, work(&mean, &strains[n]), energy[n]);
                     }
-                });
+                }
             }
 
             fn stress_block<const N: usize>(&self, strains: &[Components<$size>; N], results: &mut [Components<$size>; N]) {
@@ -272,17 +285,18 @@ macro_rules! law {
             }
 
             /// Stress and tangent at the mean strain, stress at the end, and energy change minus the work of the mean-strain stress. The
-            /// change is computed from the end, where the tape has been run for the stress.
+            /// change is computed from the end, where the tape has been run for the stress; for small strains, by the stress at the start.
             fn increment_block<const N: usize>(
                 &self,
                 strain_n: &[Components<$size>; N],
                 strain_n1: &[Components<$size>; N],
                 increments: &mut [IncrementResponse<$size>; N],
             ) {
-                let mut mid = *strain_n;
+                let (mut mid, mut step, sizes) = (*strain_n, *strain_n, Sizes::of([strain_n, strain_n1], self.tape.has_kinks_near_rest()));
                 for n in 0..N {
                     for s in 0..$size {
                         mid[n][s] = (strain_n[n][s] + strain_n1[n][s]) * 0.5;
+                        step[n][s] = strain_n1[n][s] - strain_n[n][s];
                     }
                 }
                 let count = self.tape.registers();
@@ -294,18 +308,36 @@ macro_rules! law {
                     self.run_at(SLOPES, strain_n1, registers, spectra);
                     let results = increments.each_mut().map(|increment| &mut increment.stress_end);
                     dispatch(Finish { law: self, strains: strain_n1, spectra, registers, results });
-                    let (from, to) = (strain_n1, strain_n);
-                    dispatch(LoadChanges { law: self, from, to, at_start: registers, spectra, registers: changes });
-                    dispatch(Run { tape: &self.tape, stage: ENERGY, start: Some(registers), registers: changes });
-                    for n in 0..N {
-                        let back = self.tape.roots[0].deviation(changes, n).unwrap_or(Lanes::ZERO);
-                        let mut work = Lanes::ZERO;
-                        for s in 0..$size {
-                            work = work + increments[n].mean.stress[s] * (strain_n[n][s] - strain_n1[n][s]);
+                    if sizes.has_large() {
+                        let (from, to) = (strain_n1, strain_n);
+                        dispatch(LoadChanges { law: self, from, to, at_start: registers, spectra, registers: changes });
+                        dispatch(Run { tape: &self.tape, stage: ENERGY, start: Some(registers), registers: changes });
+                        for n in 0..N {
+                            let back = self.tape.roots[0].deviation(changes, n).unwrap_or(Lanes::ZERO);
+                            increments[n].remainder = -work(&increments[n].mean.stress, &step[n]) - back;
                         }
-                        increments[n].remainder = work - back;
+                    }
+                    if sizes.has_small() && !self.has_kinks() {
+                        let mut at_start = [[Lanes::ZERO; $size]; N];
+                        self.run_at(SLOPES, strain_n, registers, spectra);
+                        dispatch(Finish { law: self, strains: strain_n, spectra, registers, results: at_start.each_mut() });
+                        for n in 0..N {
+                            let IncrementResponse { mean: Response { stress, .. }, stress_end, remainder } = &increments[n];
+                            let beyond = |s: usize| simpson([at_start[n][s] - stress[s], Lanes::ZERO, stress_end[s] - stress[s]]);
+                            increments[n].remainder = sizes.select(n, work(&std::array::from_fn(beyond), &step[n]), *remainder);
+                        }
                     }
                 });
+                // No quadrature along the step applies to a slope that jumps at zero strain; along rays from there it does.
+                if sizes.has_small() && self.has_kinks() {
+                    let [mut at_start, mut at_end] = [[Lanes::ZERO; N]; 2];
+                    self.energy_block(strain_n, &mut at_start);
+                    self.energy_block(strain_n1, &mut at_end);
+                    for n in 0..N {
+                        let remainder = at_end[n] - at_start[n] - work(&increments[n].mean.stress, &step[n]);
+                        increments[n].remainder = sizes.select(n, remainder, increments[n].remainder);
+                    }
+                }
             }
         }
 
@@ -427,44 +459,5 @@ fn add_product<const FMA: bool, const S: usize>(
                 tangent[i][j] = right.mul_add(a.0[j], tangent[i][j]);
             }
         }
-    }
-}
-
-/// Energy that depends on `J` only, as a tape with two stages: [`ENERGY`], and [`SLOPES`] with the first and second derivative.
-pub(super) struct VolumetricEnergy(Tape);
-
-impl VolumetricEnergy {
-    pub(super) fn new(graph: &mut Graph, energy: Id) -> Self {
-        let slope = graph.derivative(energy, Variable::J);
-        let curvature = graph.derivative(slope, Variable::J);
-        VolumetricEnergy(Tape::new(graph, &[Variable::J], &[&[energy], &[slope, curvature]]))
-    }
-
-    /// Runs the tape up to a stage at a value of `J - 1`, and reads its registers.
-    fn run_at(&self, stage: usize, change: &Lanes<false>, read: impl FnOnce(&[Root], &[Block<1>])) {
-        with_scratch::<1>(self.0.registers(), 0, |registers, _| {
-            registers[0] = [*change];
-            registers[1] = [-*change / (*change + 1.0)];
-            dispatch(Run { tape: &self.0, stage, start: None, registers });
-            read(&self.0.roots, registers);
-        });
-    }
-}
-
-impl VolumetricLaw for VolumetricEnergy {
-    fn energies_into(&self, change: &[Lanes<false>], energy: &mut [Lanes<false>]) {
-        for (change, energy) in change.iter().zip(energy) {
-            self.run_at(ENERGY, change, |roots, registers| *energy = roots[0].deviation(registers, 0).unwrap_or(Lanes::ZERO));
-        }
-    }
-
-    fn responses_into(&self, change: &[Lanes<false>], responses: &mut [[Lanes<false>; 2]]) {
-        for (change, response) in change.iter().zip(responses) {
-            self.run_at(SLOPES, change, |roots, registers| *response = [1, 2].map(|root| roots[root].value(registers, 0)));
-        }
-    }
-
-    fn has_kinks(&self) -> bool {
-        self.0.has_kinks()
     }
 }

@@ -10,6 +10,7 @@ mod meaning;
 #[cfg(test)]
 mod property_tests;
 mod scalar;
+mod small_strain;
 mod spectrum;
 mod state;
 mod stored;
@@ -18,6 +19,7 @@ mod tape;
 #[cfg(test)]
 mod tests;
 mod variable;
+mod volumetric;
 
 pub use error::EnergyError;
 pub use scalar::{Jet, ScalarText};

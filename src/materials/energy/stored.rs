@@ -5,10 +5,11 @@ use std::sync::Arc;
 
 use super::error::EnergyError;
 use super::graph::{Graph, Id};
-use super::law::{EnergyLaw, VolumetricEnergy};
+use super::law::EnergyLaw;
 use super::meaning::{FUNCTIONS, QUANTITIES, Setting, Translation, constants_of};
 use super::syntax::{Expression, parse};
 use super::variable::Variable;
+use super::volumetric::VolumetricEnergy;
 use crate::materials::laws::{Kinematics, Laws};
 use crate::materials::split::Split;
 

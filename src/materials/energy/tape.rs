@@ -21,6 +21,9 @@ macro_rules! each {
     };
 }
 
+/// Value at zero strain of an operation's argument below which its sign may change at a small strain.
+const NEAR_REST: f64 = 1e-2;
+
 /// Index of a result among all results.
 type Register = usize;
 
@@ -109,6 +112,12 @@ impl Tape {
     /// True if the first stage has an operation whose slope jumps.
     pub(super) fn has_kinks(&self) -> bool {
         self.operations[..self.stages[0]].iter().any(|operation| matches!(operation, Operation::Positive(_)))
+    }
+
+    /// True if such a slope jumps at a strain that is small but not zero.
+    pub(super) fn has_kinks_near_rest(&self) -> bool {
+        let is_near = |rest: f64| (8.0 * f64::EPSILON..NEAR_REST).contains(&rest.abs());
+        self.operations[..self.stages[0]].iter().any(|operation| matches!(operation, Operation::Positive(operand) if is_near(operand.rest)))
     }
 }
 
