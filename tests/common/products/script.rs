@@ -59,7 +59,7 @@ pub enum Variant {
     /// Bodies in another order, nodes of boxes numbered from the other end.
     Renumbered,
     /// Gap, velocities and loads times `1 + n 1e-12`, coordinates of the mesh with round-off `n 1e-14`, with `n` of either sign.
-    Nudged(i8),
+    Nudged(i32),
 }
 
 /// Height, length along x, depth and lowest corner of the body.
