@@ -86,6 +86,8 @@ pub struct ContactPair {
     pub turn: Option<ObstacleRotation>,
     /// Prescribed coordinate of a joint over time.
     pub drive: Option<(Coordinate, Amplitude)>,
+    /// True if the prescribed coordinate changes in this step.
+    pub is_driven: bool,
     /// Indices of the two joints that a gear couples.
     pub geared: Option<[usize; 2]>,
     /// Limit of a joint's friction.
@@ -179,6 +181,7 @@ impl ContactPair {
             motion: [None, None, None],
             turn: None,
             drive: None,
+            is_driven: false,
             geared: None,
             reaction: None,
             obstacle_velocity: ObstacleVelocity::default(),
@@ -200,9 +203,14 @@ impl ContactPair {
 
     /// Tolerance of the weighted gap where the largest coordinate is `reach`: bodies may move far away from where they began.
     pub fn gap_tolerance_at(&self, reach: f64) -> f64 {
+        self.gap_tolerance.max(self.gap_round_off(reach))
+    }
+
+    /// Round-off of the weighted gap where the largest coordinate is `reach`.
+    pub fn gap_round_off(&self, reach: f64) -> f64 {
         let dimension = self.kernel.patches().dimension() as i32;
         let measure = if self.kind.is_of_points() { 1.0 } else { self.kernel.facet_size().powi(dimension - 1) };
-        self.gap_tolerance.max(tolerances::GAP_FLOOR * reach * measure)
+        tolerances::GAP_FLOOR * reach * measure
     }
 
     /// Adds the tangential constraints of the contact's friction, if defined.
@@ -358,6 +366,38 @@ impl ContactPair {
         live_rows(self.rows.start, self.kernel.patches(), evaluation)
     }
 
+    /// True for ties, joints, couplings and rigid bodies, whose functions are at most quadratic in positions, or have an exact discrete
+    /// gradient (gears).
+    pub fn has_quadratic_functions(&self) -> bool {
+        matches!(self.kind, PairKind::Tie | PairKind::Rigidity | PairKind::Joint | PairKind::Coupling(_))
+    }
+
+    /// Replaces the values of ties, joints, couplings and rigid bodies at the end of a step by `Phi_0 + Gbar . (q_1 - q_0)` with the
+    /// increment `moved`, exact for the discrete gradient `Gbar` of these functions.
+    ///
+    /// A stop that reverses a motion has a multiplier of momentum over `dt`: times the round-off of `Phi(q_1)`, in short steps this is more
+    /// energy than the tolerance, and Newton's method does not converge (`tests/scripts/joints_in_short_steps.rhai`).
+    pub fn follow_increment<const D: usize>(&self, moved: &[f64], evaluation: &mut Evaluation) {
+        if !self.has_quadratic_functions() || self.is_driven {
+            return;
+        }
+        let mut gap = self.kernel.start_gap();
+        for row in self.live_rows(evaluation) {
+            let change = row.unknowns::<D>().map(|(k, entry)| evaluation.gradient_bar[entry] * moved[k]).sum::<f64>();
+            gap[row.row - self.rows.start] += change;
+        }
+        evaluation.gap = gap;
+    }
+
+    /// Work of friction on the slips of a group of tangential constraints `[energy]`: not positive for slips within their tolerance.
+    /// Sticking constraints leave such slips, in any direction; their work is an error of the solution, not of the friction law, and
+    /// remains in the energy defect.
+    pub fn friction_work(&self, shear: &[f64], slips: &[f64]) -> f64 {
+        let work = shear.iter().zip(slips).map(|(shear, slip)| shear * slip).sum::<f64>();
+        let is_stick = slips.iter().map(|slip| slip * slip).sum::<f64>() <= self.gap_tolerance * self.gap_tolerance;
+        if is_stick { work.min(0.0) } else { work }
+    }
+
     /// True if `node` owns a constraint of the contact element `patch`.
     pub fn owns_row(&self, patch: usize, node: u32) -> bool {
         self.kernel.owns(patch, node)
@@ -396,6 +436,13 @@ impl<'a> RowBlock<'a> {
     /// Work of the multipliers on the slips `[energy]`.
     pub fn work(&self, lambda: &[f64]) -> f64 {
         lambda[self.rows.clone()].iter().zip(&self.evaluation.gap).map(|(tau, slip)| tau * slip).sum()
+    }
+
+    /// Work of friction in a block of tangential constraints `[energy]`.
+    pub fn friction_work(&self, shear: &[f64]) -> f64 {
+        let tangents = self.pair.friction.as_ref().map_or(1, |friction| friction.tangents);
+        let groups = shear[self.rows.clone()].chunks(tangents).zip(self.evaluation.gap.chunks(tangents));
+        groups.map(|(shear, slips)| self.pair.friction_work(shear, slips)).sum()
     }
 
     /// Constraints of the contact elements of the block that contribute, element by element.

@@ -20,6 +20,8 @@ impl ContactPair {
                 self.check_angle(time, dt, ends)?;
             }
             self.kernel.drive(ends);
+            // Functions in the middle of the step are those of the mean coordinate.
+            self.is_driven = ends[0] != ends[1];
         }
         if self.kind != PairKind::Obstacle {
             return Ok(());

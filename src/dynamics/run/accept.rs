@@ -331,7 +331,7 @@ where
         self.system.by_contact(|index, pair| {
             let slips = pair.blocks([&at.pairs[index], &at.slips[index]]).filter(RowBlock::is_slip);
             let at_once = |jump: &VelocityCorrection| pair.tangential().map(|(row, _)| jump.friction[row]).sum::<f64>();
-            slips.map(|block| block.work(shear)).sum::<f64>() + jump.map_or(0.0, at_once)
+            slips.map(|block| block.friction_work(shear)).sum::<f64>() + jump.map_or(0.0, at_once)
         })
     }
 

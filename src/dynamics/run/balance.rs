@@ -180,7 +180,9 @@ impl Balance {
         self.weigh(equations, q, &mut motions);
         for (component, rigid) in self.components.iter().zip(&motions) {
             let (mut loads, mut reactions, mut contacts, mut largest_force) = (0.0, 0.0, 0.0, 0.0f64);
-            let (mut largest, mut reach) = (0.0f64, if equations.depends_on_positions() { component.extent } else { 0.0 });
+            // Squares of smaller strains are zero: displacements that return to zero need not be balanced beyond.
+            let least = f64::MIN_POSITIVE.sqrt() * component.extent;
+            let (mut largest, mut reach) = (0.0f64, if equations.depends_on_positions() { component.extent } else { least });
             let mut along = SVector::zeros();
             for &node in &component.nodes {
                 for i in 0..D {

@@ -235,7 +235,11 @@ where
         // Direction along the path: that of the previous step; at first towards the end.
         let onwards = before.map_or((options.until - from.load).signum(), |before| product(before, &tangent.per_load).signum());
         let left = options.until - from.load;
-        let step = if options.by_arc { onwards * arc / speed } else { left.signum() * arc / speed };
+        // Positions that change by round-off only (loads that are zero, or act on supports alone) define no arc length.
+        let round_off = tolerances::POSITION * self.system.nodes.extent * (from.u.len() as f64).sqrt();
+        let moves = arc > round_off;
+        let (by_arc, step) = (options.by_arc && moves, if moves { arc / speed } else { options.increment.abs() });
+        let step = if by_arc { onwards * step } else { left.signum() * step };
         let is_last = step * left > 0.0 && step.abs() >= left.abs();
         let step = if is_last { left } else { step };
         let mut guess = Guess {
@@ -246,13 +250,13 @@ where
         let mut least = f64::INFINITY;
         for corrections in 1..=CORRECTIONS {
             let response = self.respond(&guess, rates)?;
-            let is_trifle = || norm(&response.correction) <= tolerances::PATH * norm(&guess.u);
+            let is_trifle = || norm(&response.correction) <= round_off.max(tolerances::PATH * norm(&guess.u));
             let is_stuck = response.residual >= 0.5 * least && (response.residual <= tolerances::PATH_STUCK || is_trifle());
             if response.residual <= tolerances::PATH || is_stuck {
                 return Ok((guess, corrections));
             }
             least = least.min(response.residual);
-            let change = if options.by_arc && !is_last { on_sphere(from, &guess, &response, arc).ok_or(Failure::Diverged)? } else { 0.0 };
+            let change = if by_arc && !is_last { on_sphere(from, &guess, &response, arc).ok_or(Failure::Diverged)? } else { 0.0 };
             guess.load += change;
             guess.u.iter_mut().zip(&response.correction).for_each(|(u, own)| *u += own);
             guess.u.iter_mut().zip(&response.per_load).for_each(|(u, rate)| *u += change * rate);

@@ -76,7 +76,7 @@ where
         for block in self.system.blocks(pairs, slips).filter(|block| is_own(block.pair)) {
             if block.is_slip() {
                 let arm = if joint.kind.rotates(D) { block.pair.kernel.facet_size() } else { 1.0 };
-                (total.friction, total.friction_work) = (arm * size(&lambda[block.rows.clone()]), block.work(lambda) + 0.0);
+                (total.friction, total.friction_work) = (arm * size(&lambda[block.rows.clone()]), block.friction_work(lambda) + 0.0);
             }
             for row in block.live_rows() {
                 let pressure = lambda[row.row];

@@ -13,7 +13,6 @@ use crate::dynamics::parts::contact_pair::ContactPair;
 use crate::dynamics::step::counters::Counters;
 use crate::dynamics::step::failure::Failure;
 use crate::dynamics::step::system::System;
-use crate::math::norms::largest_size;
 use crate::math::tolerances;
 
 /// Open time after which a touch counts as a first one, in travel times of an elastic wave through a cell: nodes in contact chatter at mesh
@@ -42,7 +41,7 @@ where
         let open: Vec<bool> = self.system.contacts().enumerate().map(is_open).collect();
         let touch = first_touch(&old.row.contacts, &state.row.contacts, |contact| open[contact]);
         let (u, v_0) = ([&old.displacements[..], &state.displacements], &old.velocities[..]);
-        let reach = largest_size(&state.positions).max(self.system.nodes.extent);
+        let reach = reach::<D>(&state.positions);
         let [round_off, touch_round_off] = if self.system.depends_on_positions() {
             [tolerances::STILL_AT, tolerances::TOUCH].map(|least| least * reach)
         } else {
@@ -134,6 +133,20 @@ where
         };
         self.bodies.iter().map(|body| of_body(body.nodes.clone())).fold(0.0, f64::max)
     }
+}
+
+/// Bound of the distances of the nodes from the origin: the radius of the model times a power of two, at least one. In contrast to the
+/// largest coordinate, the bound and the steps that depend on it are those of the model in other axes, and mostly in other places.
+fn reach<const D: usize>(q: &[f64]) -> f64 {
+    let count = (q.len() / D).max(1) as f64;
+    let mut mean = [0.0; D];
+    q.chunks_exact(D).for_each(|x| (0..D).for_each(|i| mean[i] += x[i] / count));
+    let farthest = |from: [f64; D]| {
+        let squares = q.chunks_exact(D).map(|x| (0..D).map(|i| (x[i] - from[i]).powi(2)).sum::<f64>());
+        squares.fold(0.0, f64::max).sqrt()
+    };
+    let (radius, distance) = (farthest(mean), farthest([0.0; D]));
+    if radius > 0.0 && distance > radius { radius * (distance / radius).log2().ceil().exp2() } else { radius.max(distance) }
 }
 
 /// First touch of a contact within a step: the deepest among the contacts that have been open.

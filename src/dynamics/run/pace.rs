@@ -211,7 +211,9 @@ impl StepSizeState {
         let usual = if self.usual > 0.0 { self.usual } else { self.size(control, first) };
         let allowed = control.tolerance * speed * usual.max(dt) + still;
         let growth = self.growth(step, &velocity).map(|growth| growth.iter().map(|part| measure.size(part, true)).sum::<f64>());
-        let ratio = growth.map_or(0.0, |growth| growth * dt / allowed);
+        // A motion below the round-off of the positions has no error; velocities of bodies that are held may alternate nevertheless.
+        let is_still = dt * measure.size(&velocity, false) <= still;
+        let ratio = growth.filter(|_| !is_still).map_or(0.0, |growth| growth * dt / allowed);
         let has_begun = speed <= self.speed * (1.0 + BEGUN * control.tolerance.sqrt());
         // A slightly smaller size would leave a tiny remainder of the step.
         let may_shrink = LESS * dt >= smallest;

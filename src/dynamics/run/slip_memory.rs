@@ -38,12 +38,15 @@ pub fn slipped<const D: usize>(
             let is_pressed = active[normal_row].is_closed() && length > 0.0;
             let memories = &mut after[group.start - equations.normal_count..group.end - equations.normal_count];
             let mut path = 0.0f64;
-            for ((memory, work), shear) in memories.iter_mut().zip(&slips.gap[own]).zip(&shear[group]) {
-                let slip = if is_pressed { work / length } else { 0.0 };
+            let (shear, weighted) = (&shear[group], &slips.gap[own]);
+            let has_heat = pair.friction_work(shear, weighted) != 0.0;
+            for ((memory, weighted), shear) in memories.iter_mut().zip(weighted).zip(shear) {
+                let slip = if is_pressed { weighted / length } else { 0.0 };
                 memory.slip = kept * memory.slip + slip;
                 path = path.hypot(slip);
-                // Adding 0.0 avoids a negative zero without slip.
-                memory.heat += 0.0 - shear * work;
+                if has_heat {
+                    memory.heat -= shear * weighted;
+                }
             }
             memories[0].path += path;
         }

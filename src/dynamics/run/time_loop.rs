@@ -338,7 +338,7 @@ where
             Some(end) if end < nominal_end - tolerances::SAME_MOMENT * self.options.dt => (end, false),
             Some(end) if end < nominal_end + tolerances::SAME_MOMENT * self.options.dt => (end, true),
             // A remainder shorter than half a step is distributed evenly over the last two steps.
-            Some(end) if end < nominal_end + 0.5 * self.options.dt => (from + 0.5 * (end - from), false),
+            Some(end) if end < nominal_end + (0.5 - tolerances::SAME_MOMENT) * self.options.dt => (from + 0.5 * (end - from), false),
             _ => (nominal_end, true),
         };
         let clock = if whole { (origin, count + 1) } else { (target, 0) };
@@ -367,8 +367,9 @@ where
         let landing = end.into_iter().chain(corner).fold(f64::INFINITY, f64::min);
         let target = match landing - from {
             rest if rest < size + near => landing,
-            // A remainder shorter than half a step is distributed evenly over the last two steps.
-            rest if rest < 1.5 * size => from + 0.5 * rest,
+            // A remainder shorter than half a step is distributed evenly over the last two steps. Remainders of half a step are frequent,
+            // with round-off of either sign.
+            rest if rest < 1.5 * size - near => from + 0.5 * rest,
             _ => from + size,
         };
         self.tries.clear();

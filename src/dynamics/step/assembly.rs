@@ -137,6 +137,9 @@ where
                 linearize(Derivative::AT_END, end_share, &mut Evaluation::default());
             }
             linearize(derivative, 1.0 - end_share, evaluation);
+            if derivative.placement().share < 1.0 {
+                pair.follow_increment::<D>(moved, evaluation);
+            }
             evaluation.shift_to_end(end_share);
             let mut add = |p: usize, tangent: &[f64]| pair.tangent_into::<D>((pattern, p), weight, tangent, values);
             if let Some(friction) = &pair.friction {

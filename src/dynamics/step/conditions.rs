@@ -7,7 +7,14 @@ use crate::dynamics::model::update_rules::ActiveConstraints;
 use crate::dynamics::parts::contact_pair::{ContactPair, PairKind};
 use crate::dynamics::parts::laws::{Row, RowStart, RowState};
 use crate::integrators::Derivative;
+use crate::math::norms::largest_size;
 use crate::math::tolerances;
+
+/// Values of joints, ties and rigid bodies at the start of a step that are round-off, in units of the round-off of gaps.
+const ROUND_OFF: f64 = 16.0;
+/// Decrease of such values in a step: fast enough that the round-off of many steps does not add up, and slow enough that its work is below
+/// the energy tolerance.
+const DECAY: f64 = 1.0 / 1024.0;
 
 /// Contact conditions of a step: `Phi_A(q_1) >= target_A` for admitted constraints, with multipliers `>= 0`.
 pub struct Conditions {
@@ -184,13 +191,25 @@ impl<const D: usize> Equations<D> {
         let mut targets = vec![0.0; gap_n.len()];
         let mut members: Vec<bool> = self.redundant.iter().map(|is_redundant| !is_redundant).collect();
         let mut shift = vec![0.0; gap_n.len()];
-        let end_point = start.derivative() == Derivative::AT_END;
+        let (end_point, reach) = (start.derivative() == Derivative::AT_END, largest_size(start.q_0));
         for pair in &self.pairs {
             let (closed, keeps) = (pair.closed, pair.update.holds == ActiveConstraints::AsItIs);
+            // An active equation of a contact keeps its gap under a rule that keeps energy: weights of dual multipliers around an axis
+            // follow the motion, so that the gap of the last step has another value now, and closing it would supply energy or take it.
+            let follows = pair.update.keeps_energy && pair.law.is_bilateral() && !pair.kind.is_bilateral();
+            // To close the round-off of the last positions at once takes or supplies multipliers times round-off, which is much where they
+            // are large, as in stops and in short steps.
+            let may_keep = pair.has_quadratic_functions() && pair.law.is_bilateral() && !pair.is_driven && !start.is_at_rest();
+            let kept = if may_keep { ROUND_OFF * pair.gap_round_off(reach) } else { -1.0 };
             for row in pair.rows.clone() {
+                let is_round_off = gap_n[row].abs() <= kept;
+                let keeps = keeps || follows && active[row].is_closed() || is_round_off;
                 let start = RowStart { gap: gap_n[row], penalty_gap: penalty_gap[row], held: held[row], closed, keeps, end_point };
                 let demand = pair.law.demand(&start);
                 (gap_n[row], targets[row], shift[row]) = (demand.gap, demand.target, demand.shift);
+                if is_round_off {
+                    targets[row] *= 1.0 - DECAY;
+                }
                 members[row] &= demand.is_member;
             }
         }

@@ -169,6 +169,18 @@ pub fn worst_violation<const D: usize>(
     (worst, worst_row, work)
 }
 
+/// Work of the multipliers on slips of constraints that stick in the active set: in joints its magnitude, in contacts as far as it is
+/// positive. Solutions with a tangential compliance leave such slips, and friction must not supply energy.
+pub fn sticking_work<const D: usize>(equations: &Equations<D>, at: &Linearization, active: &[RowState]) -> [f64; 2] {
+    let (mut of_joints, mut of_contacts) = (0.0, 0.0);
+    for place in slips_at(equations, at).filter(|place| place.exists && active[place.rows.start].is_closed()) {
+        let slip = |row: usize| place.slip.gap[row - place.friction.rows.start];
+        let work: f64 = place.rows.clone().map(|row| at.lambda[row] * slip(row)).sum();
+        if place.pair.reaction.is_some() { of_joints += work.abs() } else { of_contacts += work.max(0.0) }
+    }
+    [of_joints, of_contacts]
+}
+
 /// True if an iterate satisfies the contact conditions.
 pub fn meets<const D: usize>(equations: &Equations<D>, at: &Linearization, conditions: &Conditions) -> bool {
     let (mut dropped, mut kept) = (equations.redundant.clone(), at.lambda.clone());

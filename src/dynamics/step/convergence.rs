@@ -41,6 +41,8 @@ pub struct Iteration {
     pub target: f64,
     /// Round-off of the forces: a residual below it need not decrease `[force]`.
     pub floor: f64,
+    /// Number of successive iterations without a decrease of the energy after which a residual below the floor is accepted.
+    pub stalls: usize,
     /// Residual that terminates a step at rest, for any energy; 0 in motion.
     pub enough: f64,
     /// Energy error of the iterate relative to its tolerance: work of the residual along the displacement in the step, plus the energy of
@@ -75,6 +77,8 @@ pub struct Convergence {
     nearest: f64,
     /// Number of iterations since the least distance from a solution.
     idle: usize,
+    /// Number of successive iterations that have not decreased the energy.
+    stalls: usize,
     /// True if the last increment was limited, so that its residual need not decrease.
     pub is_limited: bool,
 }
@@ -101,6 +105,7 @@ impl Convergence {
             merits: [f64::INFINITY; SOME],
             nearest: f64::INFINITY,
             idle: 0,
+            stalls: 0,
             is_limited: false,
         }
     }
@@ -113,7 +118,8 @@ impl Convergence {
         let falls_far = record.residual <= record.target && merit <= TENTH * self.merits[SOME - 1];
         self.merits.rotate_right(1);
         self.merits[0] = merit;
-        let is_stalled = !falls && (record.energy <= STALLED || record.residual <= record.floor);
+        self.stalls = if falls { 0 } else { self.stalls + 1 };
+        let is_stalled = !falls && (record.energy <= STALLED || record.residual <= record.floor && self.stalls >= record.stalls);
         let is_round_off = is_stalled || (!falls || iteration >= LATE) && record.energy <= record.round_off;
         let is_met = record.residual <= record.target && record.violation <= 1.0;
         let is_exact = !self.is_exact || !falls || record.energy <= EXACT;

@@ -16,6 +16,7 @@ use std::time::Instant;
 use nalgebra::{DMatrix, DVector};
 
 use super::constraint_rows::ConstraintRows;
+use super::constraints::add_known;
 use super::equations::Equations;
 use super::failure::Failure;
 use super::iterate::Linearization;
@@ -70,8 +71,10 @@ where
     /// The system is singular, or the run was interrupted.
     pub fn freeze(&mut self, start: &StepStart, at: &mut Linearization, rows: &ConstraintRows) -> Result<Frozen, Failure> {
         let right = self.write_system(start, at, rows)?;
-        let mut solution = right.clone();
+        let (mut solution, known) = (right.clone(), self.known_multipliers(at, &[rows]));
+        self.subtract_known(&at.tangent, &known, &mut solution);
         self.solve_with(&at.tangent, &mut solution, Instant::now())?;
+        add_known(&known, &mut solution);
         self.refine(start, &at.tangent, &right, &mut solution)?;
         let base = self.row_values([&at.pairs, &at.slips], &solution, right.len()).remove(0);
         Ok(Frozen { rows: rows.clone(), present: rows.clone(), right, solution, base, answers: BTreeMap::new(), amounts: Vec::new() })
@@ -167,8 +170,10 @@ where
         } else {
             solution = frozen.right.clone();
             self.add_brought(&frozen, start.shares(), at, &amounts, &mut solution);
-            let right = solution.clone();
+            let (right, known) = (solution.clone(), self.known_multipliers(at, &[&frozen.rows, &frozen.present]));
+            self.subtract_known(&at.tangent, &known, &mut solution);
             self.substitute(&at.tangent, &mut solution)?;
+            add_known(&known, &mut solution);
             self.refine(start, &at.tangent, &right, &mut solution)?;
             let unknowns = solution.len() - self.multipliers;
             amounts.keys().filter(|&&row| !frozen.present.0[row].acts).for_each(|row| solution[unknowns + row] = 0.0);

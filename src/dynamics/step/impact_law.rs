@@ -11,13 +11,18 @@
 //! ```
 //!
 //! so that a slip may stop, stick and reverse within an impact. Parts are halved, down to the shortest, until no slip changes its direction
-//! within a part: in the plane, slip is then exact between these changes. A part is solved contact by contact (block Gauss-Seidel), which
+//! within a part, except at its end: in the plane, slip is then exact. A part is solved contact by contact (block Gauss-Seidel), which
 //! also finds a solution for linearly dependent contacts.
 
 use crate::math::tolerances;
 
-/// Shortest part of a phase, relative to the phase; where a slip stops, impulses have a relative error of this size.
-const SHORTEST: f64 = 1.0 / 16384.0;
+/// Length of a part, relative to the phase, that is not halved where a slip stops or turns within it: impulses then have a relative error
+/// of this size.
+const SHORT: f64 = 1.0 / 16384.0;
+/// Shortest part, relative to the phase, that ends at the predicted stop of a slip.
+const SHORTEST: f64 = tolerances::IMPACT_SLIP;
+/// Number of parts of a phase after which no part is shorter than [`SHORT`].
+const MANY: usize = 1000;
 
 /// Angle by which the direction of a slip may change within a part of a phase.
 const TURN: f64 = 0.01;
@@ -77,6 +82,17 @@ struct Part {
     least: Vec<f64>,
 }
 
+impl ImpactContact {
+    /// Tangential constraints.
+    fn slips(&self) -> std::ops::Range<usize> {
+        self.first + 1..self.first + 1 + self.tangents
+    }
+}
+
+fn norm(values: &[f64]) -> f64 {
+    values.iter().map(|value| value * value).sum::<f64>().sqrt()
+}
+
 impl ImpactLaw {
     fn rows(&self) -> usize {
         self.contacts.iter().map(|contact| 1 + contact.tangents).sum()
@@ -114,14 +130,15 @@ impl ImpactLaw {
 
     /// Integrates a phase part by part; `part(end, length)` returns the conditions of a part.
     fn follow(&self, course: &mut ImpactSolution, part: impl Fn(f64, f64) -> Part) {
-        let (mut done, mut length) = (0.0, 1.0);
+        let (mut done, mut length, mut parts) = (0.0, 1.0, 0);
         let mut guess = vec![0.0; course.rates.len()];
         while done < 1.0 {
-            let end = if done + length > 1.0 - 0.5 * SHORTEST { 1.0 } else { done + length };
+            let shortest = if parts < MANY { SHORTEST } else { SHORT };
+            let end = if done + length > 1.0 - 0.5 * shortest { 1.0 } else { done + length };
             let conditions = part(end, end - done);
             let mut rates = course.rates.clone();
             let impulses = self.solve(&conditions, &mut rates, &guess);
-            if length > SHORTEST && self.turns(&course.rates, &rates) {
+            if length > SHORT && self.turns(&course.rates, &rates, &impulses) {
                 length *= 0.5;
                 guess.iter_mut().zip(&impulses).for_each(|(guess, p)| *guess = 0.5 * p);
                 continue;
@@ -134,9 +151,11 @@ impl ImpactLaw {
                 *friction += slipped;
             }
             course.impulses.iter_mut().zip(&impulses).for_each(|(sum, p)| *sum += p);
-            let wider = if length < 0.5 { 2.0 } else { 1.0 };
-            guess = impulses.iter().map(|p| wider * p).collect();
-            (course.rates, done, length) = (rates, end, length * wider);
+            // The next part ends where a slip would stop if its speed continued to decrease as in this part.
+            let to_stop = (end - done) * self.parts_to_a_stop(&course.rates, &rates);
+            let next = if length < 0.5 { 2.0 * length } else { length }.min(to_stop).max(shortest);
+            guess = impulses.iter().map(|p| next / (end - done) * p).collect();
+            (course.rates, done, length, parts) = (rates, end, next, parts + 1);
         }
     }
 
@@ -156,17 +175,32 @@ impl ImpactLaw {
         (loss * impulses[contact.first] >= slip).then(|| -0.5 * mu * slip * slip / loss)
     }
 
-    /// True if a slip stops or reverses between these rates.
-    fn turns(&self, before: &[f64], after: &[f64]) -> bool {
+    /// True if a slip reverses in a part with these impulses, or stops before its end: friction up to the end has the largest magnitude.
+    fn turns(&self, before: &[f64], after: &[f64], impulses: &[f64]) -> bool {
         let size = before.iter().fold(0.0f64, |size, rate| size.max(rate.abs()));
-        self.contacts.iter().filter(|contact| contact.tangents > 0 && contact.friction > 0.0).any(|contact| {
-            let rows = contact.first + 1..contact.first + 1 + contact.tangents;
-            let length = |rates: &[f64]| rates[rows.clone()].iter().map(|rate| rate * rate).sum::<f64>().sqrt();
-            let (old, new) = (length(before), length(after));
-            let along: f64 = rows.clone().map(|row| before[row] * after[row]).sum();
-            let is_still = |length: f64| length <= tolerances::IMPACT_SLIP * size;
-            !is_still(old) && (is_still(new) || along < TURN.cos() * old * new)
+        let is_still = |length: f64| length <= tolerances::IMPACT_SLIP * size;
+        self.slipping().any(|contact| {
+            let rows = contact.slips();
+            let (old, new, friction) = (norm(&before[rows.clone()]), norm(&after[rows.clone()]), norm(&impulses[rows.clone()]));
+            let along: f64 = rows.map(|row| before[row] * after[row]).sum();
+            let slips_to_end = || friction >= (1.0 - tolerances::IMPACT_SLIP) * contact.friction * impulses[contact.first];
+            !is_still(old) && (if is_still(new) { !slips_to_end() } else { along < TURN.cos() * old * new })
         })
+    }
+
+    /// Number of further parts, each with the same decrease of the slip speeds, until the first slip stops.
+    fn parts_to_a_stop(&self, before: &[f64], after: &[f64]) -> f64 {
+        let size = after.iter().fold(0.0f64, |size, rate| size.max(rate.abs()));
+        let left = self.slipping().map(|contact| {
+            let [old, new] = [before, after].map(|rates| norm(&rates[contact.slips()]));
+            if new > tolerances::IMPACT_SLIP * size && new < old { new / (old - new) } else { f64::INFINITY }
+        });
+        left.fold(f64::INFINITY, f64::min)
+    }
+
+    /// Contacts with friction.
+    fn slipping(&self) -> impl Iterator<Item = &ImpactContact> {
+        self.contacts.iter().filter(|contact| contact.tangents > 0 && contact.friction > 0.0)
     }
 
     /// Impulses of a part of an impact; `rates` are updated from its start to its end.
@@ -306,7 +340,9 @@ impl Block {
         let (a, b) = (solve([-self.free[1], -self.free[2]]), solve([-t[1][0], -t[2][0]]));
         let of = |along: [f64; 2]| t[0][1] * along[0] + t[0][2] * along[1];
         let (slope, free) = (t[0][0] + of(b), self.free[0] + of(a));
-        let normal = if slope > 0.0 { ((self.target - free) / slope).max(self.least) } else { self.least };
+        // On a rail normal and tangential rates are proportional: the slope is round-off.
+        let is_free = slope > tolerances::IMPACT_SLIP * t[0][0];
+        let normal = if is_free { ((self.target - free) / slope).max(self.least) } else { self.least };
         [normal, a[0] + b[0] * normal, a[1] + b[1] * normal]
     }
 
@@ -318,7 +354,9 @@ impl Block {
                 [normal, sense * self.friction * normal, 0.0]
             };
             let (first, second) = (against(stuck[1].signum()), against(-stuck[1].signum()));
-            let loses = |p: &[f64; 3]| p[1] * self.rate(1, p) <= 0.0;
+            // A slip that ends with the part has no direction at its end.
+            let round_off = |p: &[f64; 3]| self.free[1].abs() + (0..2).map(|j| (self.response[1][j] * p[j]).abs()).sum::<f64>();
+            let loses = |p: &[f64; 3]| p[1] * self.rate(1, p) <= tolerances::IMPACT_SLIP * p[1].abs() * round_off(p);
             return if loses(&first) || !loses(&second) { first } else { second };
         }
         let unit = |x: [f64; 2]| {

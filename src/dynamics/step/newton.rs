@@ -7,7 +7,7 @@
 
 use super::attempts::{ATTEMPTS, PER_NODE, PreferredAttempt, Strategy, usual_order};
 use super::conditions::Conditions;
-use super::contact_set::{constraint_rows, drop_slivers, has_row, pairs_at, slips_at, starting_set, worst_violation};
+use super::contact_set::{constraint_rows, drop_slivers, has_row, pairs_at, slips_at, starting_set, sticking_work, worst_violation};
 use super::convergence::{Convergence, IterateDecision, Iteration};
 use super::failure::Failure;
 use super::iterate::Linearization;
@@ -91,6 +91,14 @@ const FAR: f64 = 2.0;
 /// Iterations with a constant active set at the end of a failed attempt after which another discrete gradient is tried before the step is
 /// halved.
 const SOME_ITERATIONS: usize = 4;
+
+/// Iterations without a decrease of the energy that are admitted before a residual below round-off is accepted, with joints and rigid
+/// bodies: their residuals are small from the first iterations on, while sticking friction of joints approaches its multiplier step by step
+/// (`tests/scripts/joint_friction_in_space.rhai`).
+const MOST_STALLS: usize = 3;
+
+/// Energy that friction of sticking contacts may supply in a step, relative to the tolerance: a tenth of the admissible defect.
+const STICKING: f64 = 10.0;
 
 /// Fractions of an increment that backtracking tries.
 const FRACTIONS: [f64; 4] = [1.0, 0.5, 0.25, 0.125];
@@ -410,11 +418,13 @@ where
         let momentum = tolerances::NEWTON_MOMENTUM * task.start.dt() * kick * (2.0 * task.energy / system.nodes.total_mass).sqrt();
         // Round-off of displacements, and of positions if forces depend on them, times stiffness, plus round-off of the motion times
         // inertia.
-        let of_positions = if system.depends_on_positions() { largest_size(&at.q_1).max(system.nodes.extent) } else { 0.0 };
+        let least = f64::MIN_POSITIVE.sqrt() * system.nodes.extent;
+        let of_positions = if system.depends_on_positions() { largest_size(&at.q_1).max(system.nodes.extent) } else { least };
         let reach = largest_size(&at.u_1).max(of_positions);
         let inertia = (0..system.bodies.len()).map(|body| task.start.inertia(body)).fold(0.0, f64::max);
         let (stiffness, mass) = (system.nodes.stiffness(), system.nodes.largest_nodal_mass);
         record.floor = tolerances::FORCE_FLOOR * (stiffness * reach + inertia * mass * largest_size(&at.moved));
+        record.stalls = if system.has_point_constraints() { MOST_STALLS } else { 1 };
         record.enough = if task.start.is_at_rest() && system.has_rigid_bodies() {
             (tolerances::REST_STEP * forces.opposing).max(tolerances::REST_STEP * tolerances::BALANCE * forces.scale)
         } else {
@@ -424,7 +434,9 @@ where
         let contact_work;
         (record.violation, record.worst_row, contact_work) = worst_violation(system, at, task.conditions, &self.dropped);
         let small = (task.tolerance * task.energy.max(forces.internal_work.abs())).max(LEAST_SQUARE);
-        record.energy = momentum.max(work.abs() + contact_work.abs()) / small;
+        let [of_joints, of_contacts] = sticking_work(system, at, &self.active);
+        let sticking = of_joints + (of_contacts - STICKING * small).max(0.0);
+        record.energy = momentum.max(work.abs() + contact_work.abs() + sticking) / small;
         if task.is_still {
             let free = forces.contact.iter().zip(&system.supports.fixed).filter(|(_, is_fixed)| !**is_fixed);
             let contact_forces: f64 = free.map(|(force, _)| force.abs()).sum();

@@ -137,6 +137,8 @@ impl Motion {
         let mut moved = model.clone();
         let (units, dimension) = (&self.units, model.dimension());
         let speed = units.length / units.time;
+        // Forces and masses of bodies of revolution are those of the whole circumference.
+        let of_energy = if model.is_axisymmetric() { 3 } else { dimension };
         for body in &mut moved.bodies {
             let mut mesh = (*body.mesh).clone();
             mesh.points.iter_mut().for_each(|point| *point = self.point(*point));
@@ -146,7 +148,7 @@ impl Motion {
         }
         let coordinates: Vec<Option<Coordinate>> = model.joints.iter().map(|joint| joint.kind.coordinate(dimension)).collect();
         for joint in &mut moved.joints {
-            self.join(joint, dimension);
+            self.join(joint, dimension, self.energy(of_energy));
             if let JointKind::Gear(gear) = &mut joint.kind {
                 let [first, second] = gear.joints.map(|index| coordinates[index].map_or(0, Coordinate::lengths));
                 gear.ratio *= units.length.powi(first - second);
@@ -164,8 +166,6 @@ impl Motion {
         }
         moved.supports.iter_mut().try_for_each(|support| self.support(model, support))?;
         moved.prescriptions = model.prescriptions.iter().map(|given| self.prescription(model, given)).collect::<Result<_, _>>()?;
-        // Forces and masses of bodies of revolution are those of the whole circumference.
-        let of_energy = if model.is_axisymmetric() { 3 } else { dimension };
         let force = units.stress() * units.length.powi(of_energy as i32 - 1);
         for load in &mut moved.loads {
             let mut size = 1.0;
@@ -210,7 +210,7 @@ impl Motion {
         ObstacleRotation { angle: self.amplitude(angle, 1.0), about: about.as_ref().map(axis) }
     }
 
-    fn join(&self, joint: &mut JointDefinition, dimension: usize) {
+    fn join(&self, joint: &mut JointDefinition, dimension: usize, energy: f64) {
         let units = &self.units;
         joint.kind = joint.kind.along(|direction| self.vector(direction, 1.0));
         joint.ends.iter_mut().for_each(|end| end.point = self.point(end.point));
@@ -218,7 +218,6 @@ impl Motion {
         joint.drive = joint.drive.as_ref().map(|drive| self.amplitude(drive, scale));
         joint.limits = joint.limits.map(|limits| limits.map(|limit| scale * limit));
         if let Some(friction) = &mut joint.friction {
-            let energy = self.energy(dimension);
             friction.radius *= units.length;
             friction.preload *= energy / units.length;
             friction.constant *= energy / scale;

@@ -30,6 +30,13 @@ pub struct Numbers {
 }
 
 impl Numbers {
+    /// Multiplies gap, velocities and loads by a factor.
+    pub fn scale(&mut self, by: f64) {
+        for number in [&mut self.gap, &mut self.speed, &mut self.slide, &mut self.spin, &mut self.load] {
+            *number *= by;
+        }
+    }
+
     /// Random numbers of a seed.
     pub fn new(seed: u64) -> Self {
         let plain = Numbers {

@@ -28,6 +28,8 @@ const AT_REST: f64 = 1e-5;
 const LOAD: f64 = 3.0;
 /// Largest penetration over the facet size.
 const DEPTH: f64 = 0.15;
+/// Largest relative difference of a rotated, translated or rescaled model: the default tolerance of `expect_invariant`.
+pub const INVARIANT: f64 = 1e-7;
 /// Largest relative difference of the histories of a model in another numbering.
 const RENUMBERED: f64 = 1e-6;
 /// Largest violation of supports and joints `[length]`.
@@ -268,7 +270,9 @@ fn places(product: Named, ended: &Ended, frame: &Frame) -> Vec<Fault> {
             "fix" => (0..3).for_each(|i| off("a fixed boundary", largest(&cap, i, 0.0))),
             "fix_x" => off("a boundary fixed along x", largest(&flank, 0, 0.0)),
             "add_symmetry" => off("a symmetry", largest(&flank, 0, 0.0)),
-            "prescribe" => off("a prescribed boundary", largest(&cap, 1, script::motion_at(product, -0.02, time))),
+            "prescribe" => {
+                off("a prescribed boundary", largest(&cap, 1, script::motion_at(product, script::prescribed_peak(product), time)))
+            }
             _ => {}
         }
     }
@@ -290,22 +294,44 @@ fn places(product: Named, ended: &Ended, frame: &Frame) -> Vec<Fault> {
     faults
 }
 
-/// Differences between two runs of a model with different numberings.
-pub fn compare_histories(kind: &'static str, first: (&Ended, &Path), second: (&Ended, &Path)) -> Option<Fault> {
+/// Largest change of the printed energies, displacements and velocities between two runs, each relative to the largest of its kind.
+pub fn largest_change(first: &[String], second: &[String]) -> f64 {
+    ["energy", "displacement", "velocity"].map(|word| change_of(word, first, second)).into_iter().fold(0.0, f64::max)
+}
+
+/// Largest change of the printed numbers after a word between two runs, relative to the largest of them.
+fn change_of(word: &str, first: &[String], second: &[String]) -> f64 {
+    let [a, b] = [first, second].map(|printed| told::lines(printed, word).into_iter().flat_map(told::numbers).collect::<Vec<f64>>());
+    let size = a.iter().fold(0.0f64, |size, value| size.max(value.abs()));
+    let change = a.iter().zip(&b).fold(0.0f64, |largest, (a, b)| largest.max((a - b).abs()));
+    if change > 0.0 { change / size } else { 0.0 }
+}
+
+/// Differences between two runs of a model with different numberings; `admitted` is evaluated for differences above [`RENUMBERED`].
+pub fn compare_histories(kind: &'static str, first: (&Ended, &Path), second: (&Ended, &Path), admitted: &dyn Fn() -> f64) -> Option<Fault> {
     if first.0.code != second.0.code {
         let title = second.0.error.as_ref().map(|error| error.title.clone()).unwrap_or_default();
         return Some(Fault::new(kind, format!("exit codes {} and {}: {title}", first.0.code, second.0.code)));
     }
     let read = |out: &Path| History::read(&out.join("history.csv"));
     let (Ok(a), Ok(b)) = (read(first.1), read(second.1)) else { return Some(Fault::new(kind, "no history")) };
+    let found = difference_of(&a, &b)?;
+    // A model that amplifies round-off may choose other steps: then only the energies of its end are compared.
+    let admitted = admitted();
+    let is_admitted = admitted > RENUMBERED && change_of("energy", &first.0.printed, &second.0.printed) <= admitted;
+    (!is_admitted).then(|| Fault::new(kind, found))
+}
+
+/// Description of a difference between two histories above [`RENUMBERED`].
+fn difference_of(a: &History, b: &History) -> Option<String> {
     if a.table.rows() != b.table.rows() {
-        return Some(Fault::new(kind, format!("{} and {} rows", a.table.rows(), b.table.rows())));
+        return Some(format!("{} and {} rows", a.table.rows(), b.table.rows()));
     }
     for name in ["kinetic", "strain", "potential", "load_work", "friction_work", "contact_work", "dissipation"] {
         let (row, value) = worst(a.column(name).iter().zip(b.column(name)).map(|(a, b)| (a - b).abs()));
         let scale = a.energy;
         if exceeds(value, RENUMBERED * scale) {
-            return Some(Fault::new(kind, format!("{name} differs by {value:.2e} in row {row}, the energy is {scale:.2e}")));
+            return Some(format!("{name} differs by {value:.2e} in row {row}, the energy is {scale:.2e}"));
         }
     }
     None

@@ -45,6 +45,12 @@ pub const AMPLITUDES: [&str; 6] = ["number", "closure", "hat", "ramp", "sine", "
 /// Marker in place of a row for which no script is known.
 const UNKNOWN: &str = "/* no script is known for this row */";
 
+/// Relative change of the numbers in [`Variant::Nudged`]: above round-off, below every tolerance.
+pub const NUDGE: f64 = 1e-12;
+
+/// Change of the coordinates in [`Variant::Nudged`] `[length]`: a hundred times round-off.
+const ROUNDED: f64 = 1e-14;
+
 /// Variation of a script relative to that of its product.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Variant {
@@ -52,6 +58,8 @@ pub enum Variant {
     Plain,
     /// Bodies in another order, nodes of boxes numbered from the other end.
     Renumbered,
+    /// Gap, velocities and loads times `1 + n 1e-12`, coordinates of the mesh with round-off `n 1e-14`, with `n` of either sign.
+    Nudged(i32),
 }
 
 /// Height, length along x, depth and lowest corner of the body.
@@ -120,7 +128,10 @@ pub fn gap(product: Named, numbers: &Numbers) -> f64 {
 
 impl<'a> Writer<'a> {
     fn new(product: Named<'a>, variant: Variant) -> Self {
-        let numbers = Numbers::new(product.product.seed);
+        let mut numbers = Numbers::new(product.product.seed);
+        if let Variant::Nudged(by) = variant {
+            numbers.scale(1.0 + f64::from(by) * NUDGE);
+        }
         let gap = gap(product, &numbers);
         Writer { product, numbers, variant, is_plane: is_plane(product.row("cell")), gap, text: String::new() }
     }
@@ -195,6 +206,15 @@ impl<'a> Writer<'a> {
 
     /// Mesh of the body.
     fn mesh(&self) -> String {
+        let Variant::Nudged(by) = self.variant else { return self.exact_mesh() };
+        // Rotations and other units round every coordinate.
+        let moved = |x: &str, y: &str| format!("{x} + {:?} * sin(37.0 * {x} + 91.0 * {y})", f64::from(by) * ROUNDED);
+        let [x, y, z] = [moved("x", "y"), moved("y", "x"), moved("z", "y")];
+        let places = if self.is_plane { format!("|x, y| [{x}, {y}]") } else { format!("|x, y, z| [{x}, {y}, {z}]") };
+        format!("{}.map({places})", self.exact_mesh())
+    }
+
+    fn exact_mesh(&self) -> String {
         match wedge_section(self.product.row("cell")) {
             Some(section) => {
                 let mesh = if self.is_round() { self.round_mesh(true, section) } else { self.box_mesh(true, section) };
@@ -373,12 +393,13 @@ impl<'a> Writer<'a> {
         self.line("print(`@energy ${[sim.energy.kinetic, sim.energy.strain, sim.energy.potential, sim.energy.total]}`);");
         self.line("print(`@momentum ${sim.momentum}`);");
         self.line("for body in sim.bodies { print(`@displacement ${sim.field(\"displacement\", body)}`); }");
+        self.line("for body in sim.bodies { print(`@velocity ${sim.field(\"velocity\", body)}`); }");
         if !self.is("partner", &["none", "tie"]) {
             self.line("let pair = sim.contact(\"pair\");");
             self.line("print(`@pressure ${pair.pressure}`);\nprint(`@shear ${pair.shear}`);\nprint(`@slip ${pair.slip}`);");
             self.line("print(`@gap ${pair.gap}`);\nprint(`@active ${pair.active}`);\nprint(`@state ${pair.state}`);");
         }
-        if !self.is("joint", &["none"]) {
+        if has_joint(self.product) {
             self.line("print(`@joint ${sim.joint(\"joint\").position}`);");
         }
         self.line("sim.write_fields(\"end.vtu\");");
@@ -416,5 +437,40 @@ pub fn motion_at(product: Named, peak: f64, time: f64) -> f64 {
 
 /// Displacement of the obstacle along y at a time.
 pub fn obstacle_offset(product: Named, time: f64) -> f64 {
-    if product.is("moving", &["moving"]) { motion_at(product, 0.01, time) } else { 0.0 }
+    if product.is("moving", &["moving"]) { motion_at(product, obstacle_peak(product), time) } else { 0.0 }
+}
+
+/// True for a rigid body that a rigid obstacle cannot move: supports or joints determine its motion. No motion of such a body into the
+/// obstacle has a solution.
+fn is_held_from_obstacle(product: Named) -> bool {
+    let is_obstacle = product.row("partner").starts_with("rigid_") && !product.is("partner", &["rigid_body"]);
+    let is_held = !product.is("support", &["none"]) || !product.is("joint", &["none"]);
+    is_obstacle && is_held && product.is("body", &["rigid", "rigid_numbers"])
+}
+
+/// True for a model with a joint. A link or taut cable does not let a rigid body follow a prescribed motion, and is left out.
+pub fn has_joint(product: Named) -> bool {
+    let is_blocked = product.is("body", &["rigid", "rigid_numbers"])
+        && product.is("support", &["prescribe", "prescribe_angle"])
+        && product.is("joint", &["link", "cable"]);
+    !product.is("joint", &["none"]) && !is_blocked
+}
+
+/// Peak of the motion of a moving obstacle along y: towards the body if the body can give way.
+fn obstacle_peak(product: Named) -> f64 {
+    match is_held_from_obstacle(product) {
+        true if product.is("enforcement", &["equality"]) => 0.0,
+        true => -0.01,
+        false => 0.01,
+    }
+}
+
+/// Peak of the prescribed motion of the top along y: towards the partner, unless both are rigid.
+pub fn prescribed_peak(product: Named) -> f64 {
+    if is_held_from_obstacle(product) { 0.02 } else { -0.02 }
+}
+
+/// Peak of the prescribed angle of the top `[rad]`; half of the smallest gap is the largest admitted motion of a corner of a rigid body.
+fn prescribed_angle(product: Named) -> f64 {
+    if is_held_from_obstacle(product) { 0.001 } else { 0.05 }
 }

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::{ABOVE, LEFT, MIDDLE, RADII, SIZE, UNKNOWN, Writer, rests};
+use super::{ABOVE, LEFT, MIDDLE, RADII, SIZE, UNKNOWN, Writer, has_joint, prescribed_angle, prescribed_peak, rests};
 
 impl Writer<'_> {
     pub(super) fn part(&mut self) {
@@ -66,7 +66,7 @@ impl Writer<'_> {
 
     pub(super) fn joint(&mut self) {
         let kind = self.product.row("joint");
-        if kind == "none" {
+        if !has_joint(self.product) {
             return;
         }
         let [x, y, depth] = self.joint_point();
@@ -140,10 +140,10 @@ impl Writer<'_> {
             "none" => String::new(),
             "fix" => "m.fix(cap);".into(),
             "fix_x" => "m.fix(flank, \"x\");".into(),
-            "prescribe" => format!("m.prescribe(cap, #{{ y: {} }});", self.motion(-0.02)),
+            "prescribe" => format!("m.prescribe(cap, #{{ y: {} }});", self.motion(prescribed_peak(self.product))),
             "prescribe_angle" => {
                 let about = self.point(MIDDLE, self.gap + SIZE[1]);
-                format!("m.prescribe(cap, #{{ angle: {}, about: {about} }});", self.motion(0.05))
+                format!("m.prescribe(cap, #{{ angle: {}, about: {about} }});", self.motion(prescribed_angle(self.product)))
             }
             "add_symmetry" => "m.add_symmetry(\"symmetry\", flank);".into(),
             "add_periodic" => "m.add_periodic(\"periodic\", #{ from: flank, to: far });".into(),

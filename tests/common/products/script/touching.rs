@@ -1,7 +1,7 @@
 //! Partner of the body of a product, and the contact between them.
 
 use super::super::catalogue::{is_quadratic, wedge_section};
-use super::{MIDDLE, RADII, UNKNOWN, Writer, friction_law, obstacle, rests};
+use super::{MIDDLE, RADII, UNKNOWN, Writer, friction_law, obstacle, obstacle_peak, rests};
 
 impl Writer<'_> {
     pub(super) fn partner(&mut self) {
@@ -100,7 +100,7 @@ impl Writer<'_> {
                 let motion = if self.is("moving", &["moving"]) {
                     let turns = ["rigid_disk", "rigid_ring", "rigid_cylinder", "rigid_cone", "rigid_torus"].contains(&name);
                     let turn = if turns { format!(", angle: {}", self.motion(0.05)) } else { String::new() };
-                    format!(", motion: #{{ y: {}{turn} }}", self.motion(0.01))
+                    format!(", motion: #{{ y: {}{turn} }}", self.motion(obstacle_peak(self.product)))
                 } else {
                     String::new()
                 };
