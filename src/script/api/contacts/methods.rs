@@ -90,7 +90,7 @@ pub fn shapes_of(options: &Options, has_obstacle: bool) -> Result<[Option<Obstac
         if !argument.is_given() {
             continue;
         }
-        if has_obstacle {
+        if has_obstacle && name == "primary_shape" {
             let failure = argument.fail(format!("{} has no meaning for a rigid obstacle", argument.title())).code(causes::BODY_KIND);
             let failure = failure.cause("contact with an obstacle is at the nodes of the body, and the obstacle is exact");
             return Err(failure.hint("leave the option out"));

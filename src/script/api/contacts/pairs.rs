@@ -80,11 +80,7 @@ fn add_contact() -> Function {
             let (method, facets) = (method_of(&options)?, facets_of(&options)?);
             let shapes = shapes_of(&options, matches!(partner, Partner::Obstacle { .. }))?;
             let ((update, enforcement), equality) = (rules_of(&options)?, options.flag("equality")?);
-            let has_curves = {
-                let model = &model.0.borrow().model;
-                model.dimension() == 3 || model.bodies[secondary.body].rigid.is_some()
-            };
-            let idle = if has_curves { &["method"][..] } else { &["method", "facets"] };
+            let idle = ["method"];
             let given = idle.iter().map(|name| options.argument(name)).find(Argument::is_given);
             if let (Partner::Obstacle { .. }, Some(argument)) = (&partner, given) {
                 let failure = argument.fail(format!("{} has no meaning for a rigid obstacle", argument.title())).code(causes::BODY_KIND);
