@@ -148,13 +148,7 @@ impl RigidContact {
     }
 
     /// Signed distance of the node or arc of a constraint from `shape` displaced by `translation`, for nodes at `position`.
-    fn distance(
-        &self,
-        row: usize,
-        shape: &PlaneOutline,
-        translation: [f64; 2],
-        position: impl Fn(usize) -> [f64; 2],
-    ) -> Option<Distance> {
+    fn distance(&self, row: usize, shape: &PlaneOutline, translation: [f64; 2], position: impl Fn(usize) -> [f64; 2]) -> Option<Distance> {
         if let Some((arc, z)) = self.arc(row, translation, &position) {
             let Nearest { local, .. } = arc.nearest(shape, &z);
             return Some(Distance { gap: local.gap, normal: local.normal.into(), covered: local.covered });
