@@ -319,7 +319,6 @@ mod tests {
     use super::super::fixtures::{dense_rows, difference, evaluated, product, tangent_along};
     use super::super::rigid_shape::Obstacle;
     use super::super::{CandidateSearch, PatchFunctions, PredictedMotion, RigidContact, RigidObstacle, SlipStep};
-    use super::*;
     use crate::integrators::{Configuration, Derivative};
 
     const COUNT: u32 = 20;
@@ -427,7 +426,7 @@ mod tests {
                 let quotient = |of: &dyn Fn(&[f64]) -> Vec<f64>, size: f64| -> Vec<f64> {
                     of(&moved(size)).iter().zip(of(&moved(-size))).map(|(a, b)| (a - b) / (2.0 * size)).collect()
                 };
-                let mut check = |ours: Vec<f64>, of: &dyn Fn(&[f64]) -> Vec<f64>, what: &str| {
+                let check = |ours: Vec<f64>, of: &dyn Fn(&[f64]) -> Vec<f64>, what: &str| {
                     let (fine, coarse) = (quotient(of, 1e-6), quotient(of, 3e-6));
                     for ((ours, fine), coarse) in ours.iter().zip(&fine).zip(&coarse) {
                         let smooth = (fine - coarse).abs() < 1e-7;
