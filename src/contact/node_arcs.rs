@@ -417,7 +417,10 @@ mod tests {
         /// Gradients are derivatives of the gaps, tangents derivatives of the forces, except at kinks, where quotients of two widths
         /// disagree: second derivatives jump where the nearest point reaches an end of its arc.
         #[test]
-        fn gradients_and_tangents_are_derivatives((q_0, q_1, lambda, translations) in step(), direction in prop::collection::vec(-1.0..1.0f64, UNKNOWNS)) {
+        fn gradients_and_tangents_are_derivatives(
+            (q_0, q_1, lambda, translations) in step(),
+            direction in prop::collection::vec(-1.0..1.0f64, UNKNOWNS),
+        ) {
             // Differences of steps of 1e-6 are those of the corrections, which are not differentiable there to these digits.
             prop_assume!(difference(&q_1, &q_0).iter().any(|change| change.abs() > 1e-4));
             for obstacle in &obstacles() {
