@@ -35,6 +35,7 @@ mod method;
 mod methods;
 mod mortar;
 mod multiplier_shapes;
+mod node_arcs;
 mod node_patch;
 mod node_to_segment;
 mod numbers;

@@ -103,6 +103,20 @@ enum NodeShape {
     Sharp,
 }
 
+/// Convex curve at a node between two facets.
+pub(super) struct Bend {
+    /// Angle between the facets `[rad]`.
+    pub turn: f64,
+    /// Indices of the nodes before and after the node.
+    pub neighbors: [usize; 2],
+    /// Lengths of the facets before and after the node `[length]`.
+    pub lengths: [f64; 2],
+    /// Distance between the nodes before and after the node `[length]`.
+    pub span: f64,
+    /// True for each facet that follows a curve.
+    pub is_curved: [bool; 2],
+}
+
 /// Curves that the facets of a plane surface follow at given positions.
 pub struct FacetCurves<'a> {
     surface: &'a Surface,
@@ -152,6 +166,27 @@ impl<'a> FacetCurves<'a> {
         let (t, u) = (self.along(before), self.along(after));
         let joins = self.surface.local_facets()[after as usize][0] as usize == node;
         joins.then(|| ((t[0] * u[1] - t[1] * u[0]).atan2(t[0] * u[0] + t[1] * u[1]), [before, after]))
+    }
+
+    /// Convex curve at a node; `None` for corners, straight and concave sides. With `is_known`, every convex node with two facets lies on a
+    /// curve.
+    pub(super) fn bend(&self, node: usize, is_known: bool) -> Option<Bend> {
+        let (turn, facets) = self.turn_at(node)?;
+        let is_smooth = is_known || matches!(self.turns[node], NodeShape::Smooth(_));
+        if !is_smooth || turn <= STRAIGHT {
+            return None;
+        }
+        let [before, after] = facets.map(|facet| self.along(facet));
+        Some(Bend {
+            turn,
+            neighbors: [
+                self.surface.local_facets()[facets[0] as usize][0] as usize,
+                self.surface.local_facets()[facets[1] as usize][1] as usize,
+            ],
+            lengths: facets.map(|facet| self.length(facet)),
+            span: (before[0] + after[0]).hypot(before[1] + after[1]),
+            is_curved: facets.map(|facet| self.is_curved(facet as usize)),
+        })
     }
 
     /// Vector from the first to the last node of a facet `[length]`.

@@ -16,6 +16,7 @@ use nalgebra::Vector2;
 
 use super::edge_plane::{self, ACROSS_EDGE};
 use super::kernel::{CandidateSearch, PatchFunctions, RigidObstacle};
+use super::node_arcs::{ArcGradient, Nearest, NodeArc, Nodes, node_arcs};
 use super::numbers::Number;
 use super::patches::Evaluation;
 use super::rigid_shape::{Distance, Obstacle, PlaneOutline, StepGradient};
@@ -27,6 +28,9 @@ use crate::math::tolerances::CROSSING;
 /// Distance from a convex corner of a polyline, in shortest facets, within which a node keeps to one side in a step.
 const AT_CORNER: f64 = 0.02;
 
+/// Unknowns of an arc: positions of three nodes.
+const UNKNOWNS: usize = 6;
+
 /// Contact of a surface with a rigid obstacle.
 #[derive(Clone, Debug)]
 pub struct RigidContact {
@@ -36,6 +40,8 @@ pub struct RigidContact {
     /// Displacement `[length]` and rotation angle `[rad]` of the obstacle's surface in the step, relative to which slip is measured.
     carried: ([f64; 2], f64),
     start: Vec<[f64; 2]>,
+    /// Arcs of the nodes on convex curves, which touch instead of the nodes.
+    arcs: Vec<Option<NodeArc>>,
     /// True for nodes without constraints: those inside of round parts of a rigid body, which `rolling.rs` constrains instead.
     is_hidden: Vec<bool>,
     /// For nodes that start at a convex corner of a polyline: the straight line of their side, or one through the corner (`edge_plane.rs`),
@@ -55,16 +61,34 @@ impl RigidContact {
         let nodes = sides.secondary.nodes().iter();
         let start = nodes.map(|&node| [reference[2 * node as usize], reference[2 * node as usize + 1]]).collect();
         let lines = vec![None; sides.weights.len()];
-        let is_hidden = vec![false; sides.weights.len()];
+        let sides_count = sides.weights.len();
+        let is_hidden = vec![false; sides_count];
         RigidContact {
             sides,
             shape: PlaneOutline::new(obstacle),
             translations: [[0.0; 2]; 3],
             carried: Default::default(),
             start,
+            arcs: vec![None; sides_count],
             is_hidden,
             lines,
         }
+    }
+
+    /// Lets nodes on convex curves touch with the nearest point of their arc; `radius` is that of the exact shape of the surface, if it is
+    /// known.
+    pub fn of_curve(mut self, reference: &[f64], radius: Option<f64>) -> Self {
+        let surface = &self.sides.secondary;
+        self.arcs = node_arcs(surface, reference, radius, &self.shape);
+        self.sides.patches.clear();
+        for (index, arc) in self.arcs.iter().enumerate() {
+            let nodes: Vec<u32> = match arc {
+                Some(arc) if !self.is_hidden[index] => arc.nodes.iter().map(|&node| surface.nodes()[node]).collect(),
+                _ => vec![surface.nodes()[index]],
+            };
+            self.sides.patches.push(&nodes, &[index as u32]);
+        }
+        self
     }
 
     /// Outline from which the gap of constraint `row` is measured in this step.
@@ -138,15 +162,66 @@ impl RigidContact {
         }
     }
 
+    /// Arc of a constraint, with the positions of its nodes relative to the obstacle displaced by `translation`.
+    fn arc(&self, row: usize, translation: [f64; 2], position: impl Fn(usize) -> [f64; 2]) -> Option<(&NodeArc, Nodes)> {
+        let arc = self.arcs[row].as_ref()?;
+        Some((arc, arc.nodes.map(|index| Vector2::from(position(index)) - Vector2::from(translation))))
+    }
+
+    /// Signed distance of the node or arc of a constraint from `shape` displaced by `translation`, for nodes at `position`.
+    fn distance(&self, row: usize, shape: &PlaneOutline, translation: [f64; 2], position: impl Fn(usize) -> [f64; 2]) -> Option<Distance> {
+        if let Some((arc, z)) = self.arc(row, translation, &position) {
+            let Nearest { local, .. } = arc.nearest(shape, &z);
+            return Some(Distance { gap: local.gap, normal: local.normal.into(), covered: local.covered });
+        }
+        let x = position(row);
+        shape.distance([x[0] - translation[0], x[1] - translation[1]])
+    }
+
     /// Weighted signed distances from `shape(row)` for the obstacle displaced by `translation`.
     fn gaps<'a>(&self, shape: impl Fn(usize) -> &'a PlaneOutline, translation: [f64; 2], position: impl Fn(usize) -> [f64; 2]) -> Vec<f64> {
         let mut gaps = vec![0.0; self.sides.weights.len()];
         for row in self.rows_there() {
-            let x = position(row);
-            let distance = shape(row).distance([x[0] - translation[0], x[1] - translation[1]]);
+            let distance = self.distance(row, shape(row), translation, &position);
             gaps[row] = self.sides.weights[row] * distance.map_or(0.0, |distance| distance.gap);
         }
         gaps
+    }
+
+    /// Gradient of the gap of an arc at the end of the step, and its algorithmic gradient, without weight; `None` for nodes.
+    fn arc_gradients(&self, derivative: Derivative, row: usize, q_1: &[f64]) -> Option<(Nearest, ArcGradient)> {
+        let [start, middle, end] = self.translations;
+        let at_end = |index: usize| self.position(index, q_1, [0.0; 2]);
+        let half = |index: usize| {
+            let (x_0, x_1) = (self.start[index], at_end(index));
+            std::array::from_fn(|i| 0.5 * (x_0[i] + x_1[i]))
+        };
+        let (arc, z_1) = self.arc(row, end, at_end)?;
+        let of_step = match derivative {
+            Derivative::DiscreteGradient => {
+                arc.between(&self.shape, &self.arc(row, start, |index| self.start[index])?.1, &z_1, self.sides.facet_size)
+            }
+            Derivative::Gradient(at @ Configuration::Middle) => arc.plain(&self.shape, &self.arc(row, middle, half)?.1, at.share()),
+            Derivative::Gradient(at @ Configuration::End) => arc.plain(&self.shape, &z_1, at.share()),
+        };
+        Some((arc.nearest(&self.shape, &z_1), of_step))
+    }
+
+    /// Evaluates the constraint of an arc; false for nodes.
+    fn evaluate_arc(&self, derivative: Derivative, row: usize, q_1: &[f64], lambda: f64, out: &mut Evaluation) -> bool {
+        let Some((end, of_step)) = self.arc_gradients(derivative, row, q_1) else { return false };
+        let weight = self.sides.weights[row];
+        let (gradient, tangent) = (self.sides.patches.gradient_range(row).start, self.sides.patches.tangent_range(row).start);
+        out.live[row] = true;
+        (out.gap[row], out.coverage[row]) = (weight * end.local.gap, f64::from(u8::from(end.local.covered)));
+        for i in 0..UNKNOWNS {
+            out.gradient_end[gradient + i] = weight * end.gradient[i];
+            out.gradient_bar[gradient + i] = weight * of_step.bar[i];
+            for k in 0..UNKNOWNS {
+                out.tangent[tangent + UNKNOWNS * i + k] = lambda * weight * of_step.tangent[(i, k)];
+            }
+        }
+        true
     }
 }
 
@@ -156,6 +231,11 @@ impl PatchFunctions for RigidContact {
     }
 
     fn is_nodal(&self) -> bool {
+        true
+    }
+
+    fn owns(&self, _p: usize, _node: u32) -> bool {
+        // All nodes of an arc belong to the surface.
         true
     }
 
@@ -176,16 +256,20 @@ impl PatchFunctions for RigidContact {
                 out.clear_patch(&self.sides.patches, row);
                 continue;
             }
+            if self.evaluate_arc(derivative, row, q_1, lambda[row], out) {
+                continue;
+            }
             let weight = self.sides.weights[row];
+            let (gradient, tangent) = (self.sides.patches.gradient_range(row).start, self.sides.patches.tangent_range(row).start);
             let (end, step) =
                 (self.obstacle_side(row).distance(self.position(row, q_1, self.translations[2])), self.step_gradient(derivative, row, q_1));
             out.live[row] = true;
             let normal = end.map_or([0.0; 2], |end| end.normal);
             for i in 0..2 {
-                out.gradient_end[2 * row + i] = weight * normal[i];
-                out.gradient_bar[2 * row + i] = weight * step.bar[i];
+                out.gradient_end[gradient + i] = weight * normal[i];
+                out.gradient_bar[gradient + i] = weight * step.bar[i];
                 for k in 0..2 {
-                    out.tangent[4 * row + 2 * i + k] = lambda[row] * weight * step.tangent[i][k];
+                    out.tangent[tangent + 2 * i + k] = lambda[row] * weight * step.tangent[i][k];
                 }
             }
             if let Some(Distance { gap, covered, .. }) = end {
@@ -205,7 +289,8 @@ impl PatchFunctions for RigidContact {
 
     fn coverage(&self, q: &[f64]) -> Vec<f64> {
         let covered = |row: usize| {
-            let distance = self.shape.distance(self.position(row, q, self.translations[2])).filter(|_| !self.is_hidden[row]);
+            let distance = self.distance(row, &self.shape, self.translations[2], |index| self.position(index, q, [0.0; 2]));
+            let distance = distance.filter(|_| !self.is_hidden[row]);
             f64::from(u8::from(distance.is_some_and(|distance| distance.covered)))
         };
         (0..self.sides.weights.len()).map(covered).collect()
@@ -215,13 +300,19 @@ impl PatchFunctions for RigidContact {
 /// Slip of nodes relative to the translating obstacle.
 impl SlipRows for RigidContact {
     fn places(&self, p: usize, _z: &[f64], places: &mut Vec<usize>) -> bool {
-        places.push(0);
+        places.extend(0..self.sides.patches.nodes(p).len());
         !self.is_hidden[p]
     }
 
     fn rows<T: Number>(&self, p: usize, z: &[T], rows: &mut [T], covered: &mut [f64]) -> bool {
-        let x: [T; 2] = std::array::from_fn(|i| z[i] - self.translations[1][i]);
+        let relative = |k: usize| [0, 1].map(|i| z[2 * k + i] - self.translations[1][i]);
         let shape = self.obstacle_side(p);
+        let touching = self.arcs[p].as_ref().map(|arc| {
+            let z = [0, 1, 2].map(relative);
+            let shares = arc.shares_at(shape, &z);
+            (shares, NodeArc::combined(&shares, &z))
+        });
+        let x = touching.map_or_else(|| relative(0), |(_, x)| x);
         let Some(Distance { normal, covered: true, .. }) = shape.distance(x.map(|x| x.re())) else { return false };
         let normal = if let PlaneOutline::Circle { center, sign, .. } = shape {
             let r: [T; 2] = std::array::from_fn(|i| x[i] - center[i]);
@@ -230,7 +321,15 @@ impl SlipRows for RigidContact {
         } else {
             normal.map(T::from)
         };
-        (rows[0], rows[1], covered[0]) = (normal[1] * self.sides.weights[p], -normal[0] * self.sides.weights[p], 1.0);
+        let along = [normal[1] * self.sides.weights[p], -normal[0] * self.sides.weights[p]];
+        covered[0] = 1.0;
+        let Some((shares, _)) = touching else {
+            rows.copy_from_slice(&along);
+            return true;
+        };
+        for (row, [a, b]) in rows.chunks_exact_mut(2).zip(shares) {
+            (row[0], row[1]) = (a * along[0] + b * along[1], a * along[1] - b * along[0]);
+        }
         true
     }
 
@@ -246,7 +345,7 @@ impl SlipRows for RigidContact {
 impl CandidateSearch for RigidContact {
     fn deepest(&self, q: &[f64]) -> f64 {
         let depth = |row: usize| {
-            let distance = self.shape.distance(self.position(row, q, self.translations[2]));
+            let distance = self.distance(row, &self.shape, self.translations[2], |index| self.position(index, q, [0.0; 2]));
             distance.filter(|distance| distance.covered).map_or(0.0, |distance| -distance.gap)
         };
         self.rows_there().map(depth).fold(0.0, f64::max)
@@ -291,6 +390,17 @@ impl RigidObstacle for RigidContact {
         let [start, _, end] = self.translations;
         let mut work = 0.0;
         for row in self.rows_there() {
+            if let Some((_, of_step)) = self.arc_gradients(derivative, row, q_1) {
+                let at_start = self.arc(row, start, |index| self.start[index]).map(|(arc, z)| arc.nearest(&self.shape, &z).gradient);
+                let f = (of_step.bar * lambda[row] + at_start.unwrap_or_default() * before[row]) * self.sides.weights[row];
+                for (k, &node) in self.sides.patches.nodes(row).iter().enumerate() {
+                    for i in 0..2 {
+                        force[2 * node as usize + i] += f[2 * k + i];
+                        work += f[2 * k + i] * (end[i] - start[i]);
+                    }
+                }
+                continue;
+            }
             let node = 2 * self.sides.secondary.nodes()[row] as usize;
             let step = self.step_gradient(derivative, row, q_1);
             let at_start = if before[row] == 0.0 {

@@ -177,18 +177,19 @@ impl CornersInSpace {
         self.sides.list_slips();
     }
 
-    /// Overlap of the features of touching curved surfaces `[length]`. The middles of facets lie above a hollow surface by up to 1.5 times
-    /// its mean height; points of a convex surface are raised by its mean height unless they are bumps, points of a surface of second order
-    /// unevenly; nodes of a warped facet lie behind its mean plane.
+    /// Overlap of the features of touching curved surfaces `[length]`. Middles of facets lie above a hollow surface by up to 1.5 mean
+    /// heights; points of a convex surface are raised by its mean height, those of second order unevenly, and meet hollow vertices.
     fn clearance(&self, kind: Kind) -> f64 {
         match kind {
             Kind::Vertex { vertex, .. } if let Some(rows) = &self.of_nodes => -rows.heights[vertex],
             Kind::Vertex { side, vertex, facet } => {
                 let (surface, vertex) = (self.surface(side), &self.features[side].vertices[vertex]);
                 let around = surface.index(vertex.node).filter(|_| !vertex.is_bump).map_or(&[][..], |index| surface.adjacent_facets(index));
-                let warp = self.warps[1 - side].get(facet).copied().unwrap_or(0.0);
-                let raised = self.profiles[side].raised_by(around) + self.uneven * self.profiles[side].hollow(around);
-                warp + self.profiles[1 - side].hollow(&[facet as u32]) + raised
+                let (hollow, other) = (self.profiles[side].hollow(around), &self.profiles[1 - side]);
+                let is_hollow = self.uneven > 0.0 && hollow > 0.0;
+                let met = if is_hollow { self.uneven * hollow + other.raised_points(facet as u32) } else { 0.0 };
+                let of_facet = self.warps[1 - side].get(facet).copied().unwrap_or(0.0) + other.hollow(&[facet as u32]);
+                of_facet + self.profiles[side].raised_by(around) + met
             }
             Kind::Edges(edges) => {
                 let of = |side: usize| {

@@ -45,6 +45,10 @@ const AGREEING: f64 = 0.2;
 /// outwards.
 pub type Form = [f64; 6];
 
+/// Upper bound of the height of points over the mean height of their facets: faces of six nodes raise their mid-side points alone, by 4/3
+/// of it.
+const MOST_RAISED: f64 = 1.5;
+
 /// Iterations for the point of a tilted triangle below a point of the curve; one iteration is exact to second order in the tilt.
 const TILTS: usize = 3;
 
@@ -201,6 +205,12 @@ impl Profiles {
     /// Largest mean height of a convex surface over the given facets, by which sub-facet points may lie above the surface `[length]`.
     pub fn raised_by(&self, facets: &[u32]) -> f64 {
         facets.iter().filter_map(|&facet| self.heights.get(facet as usize)).copied().fold(0.0, f64::max)
+    }
+
+    /// Largest height of the points of a convex surface of second order at a facet `[length]`. Vertices of a finer hollow surface lie below
+    /// them.
+    pub fn raised_points(&self, facet: u32) -> f64 {
+        MOST_RAISED * self.raised_by(&[facet])
     }
 
     /// Largest distance between facet middles and a hollow surface below them `[length]`: 1.5 times the mean height, as for a parabola.

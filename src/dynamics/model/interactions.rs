@@ -207,6 +207,14 @@ impl Interaction {
         self.shapes.each_ref().map(|shape| shape.as_ref().and_then(ExactShape::new))
     }
 
+    /// Radius of the exact shape of the secondary side, if it is a disk `[length]`.
+    pub fn radius(&self) -> Option<f64> {
+        match self.shapes[0] {
+            Some(Obstacle::Disk { radius, .. }) => Some(radius),
+            _ => None,
+        }
+    }
+
     /// Surfaces of a contact in space between the faces of both sides, with facets of its shape and its exact shapes, for nodes at
     /// `reference`.
     pub fn proxy_surfaces_in_space<'a>(&self, faces: &[Vec<Vec<u32>>; 2], reference: &'a [f64]) -> ProxySurfacesInSpace<'a> {

@@ -170,6 +170,8 @@ impl Pairing<'_> {
                     Some(lengths) => kernel.with_weights(lengths),
                     None => kernel,
                 };
+                let kernel =
+                    if self.model.touches_with_arcs(interaction) { kernel.of_curve(self.reference, interaction.radius()) } else { kernel };
                 let mut pair = self.pair(name, PairKind::Obstacle, secondary.body, self.turning(turn, Box::new(kernel)));
                 (pair.motion, pair.turn) = (motion.clone(), turn.clone());
                 pair

@@ -60,10 +60,13 @@ pub fn facets_parameter() -> Parameter {
         "facets",
         Kind::Choice(&["curved", "straight"]),
         "the geometry between nodes: the curve, or curved surface, through them, or straight lines and flat facets; on obstacles, whether \
-         arcs, spheres and cylinders of a rigid body roll as round or node by node; whether whole circles and spheres of two rigid bodies \
+         arcs, spheres and cylinders of a rigid body roll as round or node by node, and whether curves of a deformable body in the plane \
+         touch planes, disks and rings between the nodes, too; whether whole circles and spheres of two rigid bodies \
          touch as such",
     )
-    .or(Absent::Means("`\"curved\"`, with `node_to_segment()` in the plane `\"straight\"`"))
+    .or(Absent::Means(
+        "`\"curved\"`; with `node_to_segment()` in the plane, and for deformable bodies on obstacles in the plane, `\"straight\"`",
+    ))
 }
 
 /// Facet geometry named in the options.
@@ -83,14 +86,16 @@ pub fn shape_parameters() -> [Parameter; 2] {
 }
 
 /// Exact shapes of both sides named in the options. An obstacle as partner has a shape already.
-pub fn shapes_of(options: &Options, has_obstacle: bool) -> Result<[Option<Obstacle>; 2], Failure> {
+///
+/// With an obstacle, only the shape of a secondary side whose nodes touch with arcs (`has_arcs`) has a meaning.
+pub fn shapes_of(options: &Options, has_obstacle: bool, has_arcs: bool) -> Result<[Option<Obstacle>; 2], Failure> {
     let mut shapes = [None, None];
     for (shape, name) in shapes.iter_mut().zip(["secondary_shape", "primary_shape"]) {
         let argument = options.argument(name);
         if !argument.is_given() {
             continue;
         }
-        if has_obstacle {
+        if has_obstacle && !(has_arcs && name == "secondary_shape") {
             let failure = argument.fail(format!("{} has no meaning for a rigid obstacle", argument.title())).code(causes::BODY_KIND);
             let failure = failure.cause("contact with an obstacle is at the nodes of the body, and the obstacle is exact");
             return Err(failure.hint("leave the option out"));

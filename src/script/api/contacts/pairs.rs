@@ -8,6 +8,7 @@ use rhai::{Array, Dynamic};
 use super::friction::{friction_of, friction_parameter};
 use super::methods::{facets_of, facets_parameter, method_of, method_parameter, rule_parameters, rules_of, shape_parameters, shapes_of};
 use super::obstacles::ObstacleHandle;
+use crate::contact::Obstacle;
 use crate::dynamics::{BodyBoundary, Interaction, Partner};
 use crate::math::catalogue::Interval;
 use crate::mesh::Boundary;
@@ -78,15 +79,16 @@ fn add_contact() -> Function {
             let secondary = secondary_of(call, &options.argument("secondary"), &model)?;
             let partner = partner_of(call, &options.argument("primary"), &model)?;
             let (method, facets) = (method_of(&options)?, facets_of(&options)?);
-            let shapes = shapes_of(&options, matches!(partner, Partner::Obstacle { .. }))?;
-            let ((update, enforcement), equality) = (rules_of(&options)?, options.flag("equality")?);
+            let has_obstacle = matches!(partner, Partner::Obstacle { .. });
             let has_curves = {
                 let model = &model.0.borrow().model;
                 model.dimension() == 3 || model.bodies[secondary.body].rigid.is_some()
             };
-            let idle = if has_curves { &["method"][..] } else { &["method", "facets"] };
-            let given = idle.iter().map(|name| options.argument(name)).find(Argument::is_given);
-            if let (Partner::Obstacle { .. }, Some(argument)) = (&partner, given) {
+            let has_arcs = has_obstacle && !has_curves && !matches!(partner, Partner::Obstacle { shape: Obstacle::Polyline { .. }, .. });
+            let shapes = shapes_of(&options, has_obstacle, has_arcs)?;
+            let ((update, enforcement), equality) = (rules_of(&options)?, options.flag("equality")?);
+            let idle = if has_curves || has_arcs { &["method"][..] } else { &["method", "facets"] };
+            if let Some(argument) = idle.iter().map(|name| options.argument(name)).find(|given| has_obstacle && given.is_given()) {
                 let failure = argument.fail(format!("{} has no meaning for a rigid obstacle", argument.title())).code(causes::BODY_KIND);
                 let failure = failure.cause("an obstacle has no facets to integrate over: the gap of a node is its distance");
                 return Err(failure.hint("leave the option out").into());

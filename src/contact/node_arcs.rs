@@ -1,0 +1,499 @@
+//! Arcs at the nodes of a convex curve in the plane: a node touches a rigid obstacle (`rigid.rs`) with the point of its arc nearest to the
+//! obstacle, so that a deformable disk rolls on its circle instead of from node to node.
+//!
+//! The arc of node `A` belongs to the circle of radius `R` through `A` and its neighbors `P` (before) and `N` (after) in the reference
+//! positions, and extends by the angle `phi` to the middles of both arcs between the nodes. With `J v = (-v_y, v_x)`
+//!
+//! ```text
+//! c(phi) = x_A + R (sin phi + (1 - cos phi) J) t,    t = w_N (x_N - x_A) + w_P (x_A - x_P)
+//!        = sum_k (a_k(phi) + b_k(phi) J) x_k,        sum a_k = 1,  sum b_k = 0
+//! ```
+//!
+//! `t` is the tangent: the unit tangent of the circle in the reference positions. `c` is linear in the positions and follows rigid motions.
+//! On a flattened surface the nearest point of the arc is the node itself. The gap is the least signed distance `g` on the arc,
+//!
+//! ```text
+//! G = min g(c(phi) - u),    grad_k G = (a_k + b_k J)^T n    at the nearest point
+//! ```
+//!
+//! Let `phi_0` and `phi_1` be the nearest points at the start and at the end of a step, and `F(phi)` the change of the distance of the
+//! material point `phi`. Then `F(phi_0) >= G_1 - G_0 >= F(phi_1)`, because both gaps are least values, and there is a point between both
+//! with `F(phi) = G_1 - G_0`. The discrete gradient is that of the distance of this point: energy is exact, and the force has the
+//! symmetries of the obstacle like the force on a node.
+
+use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
+
+use super::numbers::Number;
+use super::obstacle_side::{Local, ObstacleSide};
+use super::profile::FacetCurves;
+use super::rigid_shape::PlaneOutline;
+use super::surface::Surface;
+use crate::math::tolerances::{PROJECTED_INCREMENT, REMAINDER};
+
+/// Positions of the own node, the node before and the node after.
+pub(super) type Nodes = [Vector2<f64>; 3];
+
+/// Coefficients of the positions of the three nodes in a point, and gradients with respect to these positions.
+pub(super) type Row = SVector<f64, 6>;
+
+/// Least ratio of the curvature of an arc relative to an obstacle to its own curvature. Inside of a ring of nearly equal radius the nearest
+/// point is undetermined, and nodes touch instead.
+const LEAST_CURVATURE: f64 = 0.5;
+
+/// Bisections and Newton iterations for a point of an arc. Newton's method needs five, bisections reach round-off.
+const ITERATIONS: usize = 60;
+
+/// Part of the circle that belongs to a node.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct NodeArc {
+    /// Indices of the own node, the node before and the node after.
+    pub nodes: [usize; 3],
+    /// Factors `w_P` and `w_N` of the facet vectors in the tangent `[1/length]`.
+    factors: [f64; 2],
+    /// Radius `[length]`.
+    radius: f64,
+    /// Angles of the first and the last point `[rad]`.
+    ends: [f64; 2],
+}
+
+/// Point of an arc with the least distance from an obstacle.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Nearest {
+    /// Angle of the point on the arc `[rad]`.
+    pub angle: f64,
+    /// Signed distance, its gradient and its Hessian.
+    pub local: Local<2>,
+    /// Gradient of the distance with respect to the positions of the nodes.
+    pub gradient: Row,
+    /// Derivative of the angle with respect to the positions of the nodes; zero at the ends of the arc.
+    pub turn: Row,
+}
+
+/// Discrete gradient of a step and its derivative with respect to the end positions.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ArcGradient {
+    pub bar: Row,
+    pub tangent: SMatrix<f64, 6, 6>,
+}
+
+/// `J v`: `v` turned to the left by a right angle.
+fn left(v: Vector2<f64>) -> Vector2<f64> {
+    Vector2::new(-v.y, v.x)
+}
+
+/// Arcs of the nodes of a surface that lie on convex curves, against an obstacle; `q` are the reference positions. `None` for nodes that
+/// touch the obstacle themselves.
+pub(super) fn node_arcs(surface: &Surface, q: &[f64], radius: Option<f64>, obstacle: &PlaneOutline) -> Vec<Option<NodeArc>> {
+    let curves = FacetCurves::new(surface, q);
+    let arc = |node: usize| NodeArc::new(&curves, node, radius).filter(|arc| arc.is_curved_against(obstacle));
+    (0..surface.nodes().len()).map(arc).collect()
+}
+
+impl NodeArc {
+    /// Arc of a node of convex curves; `radius` is that of the exact shape, if it is known.
+    fn new(curves: &FacetCurves, node: usize, radius: Option<f64>) -> Option<Self> {
+        let bend = curves.bend(node, radius.is_some())?;
+        let [before, after] = bend.lengths;
+        let on_curve = bend.is_curved.map(|is_curved| is_curved || radius.is_some());
+        let radius = radius.unwrap_or_else(|| match on_curve {
+            [true, true] => bend.span / (2.0 * bend.turn.sin()),
+            [true, false] => before / (2.0 * bend.turn.sin()),
+            _ => after / (2.0 * bend.turn.sin()),
+        });
+        // Half the angle that each facet subtends at the center.
+        let [of_before, of_after] = [before, after].map(|length| (0.5 * length / radius).min(1.0).asin());
+        let (factors, ends) = match on_curve {
+            [true, true] => {
+                let scale = 1.0 / (of_before.cos() / before + of_after.cos() / after);
+                ([scale / (before * before), scale / (after * after)], [-of_before, of_after])
+            }
+            // The tangent is that of the adjacent straight facet.
+            [true, false] => ([0.0, 1.0 / after], [-of_before, 0.0]),
+            [false, true] => ([1.0 / before, 0.0], [0.0, of_after]),
+            [false, false] => return None,
+        };
+        Some(NodeArc { nodes: [node, bend.neighbors[0], bend.neighbors[1]], factors, radius, ends })
+    }
+
+    /// True if the arc is curved against the obstacle, so that its nearest point is determined.
+    fn is_curved_against(&self, obstacle: &PlaneOutline) -> bool {
+        match obstacle {
+            PlaneOutline::HalfPlane { .. } => true,
+            PlaneOutline::Circle { radius, sign, .. } => *sign > 0.0 || self.radius <= (1.0 - LEAST_CURVATURE) * radius,
+            // Nearest points of an arc and a polyline jump from side to side.
+            PlaneOutline::Polyline { .. } => false,
+        }
+    }
+
+    /// Tangent vector `t` for nodes at `z`.
+    fn tangent(&self, [own, before, after]: &Nodes) -> Vector2<f64> {
+        (after - own) * self.factors[1] + (own - before) * self.factors[0]
+    }
+
+    /// Point of the arc.
+    pub fn point(&self, angle: f64, z: &Nodes) -> Vector2<f64> {
+        let t = self.tangent(z);
+        z[0] + (t * angle.sin() + left(t) * (1.0 - angle.cos())) * self.radius
+    }
+
+    /// Derivative of the point with respect to the angle.
+    fn along(&self, angle: f64, z: &Nodes) -> Vector2<f64> {
+        let t = self.tangent(z);
+        (t * angle.cos() + left(t) * angle.sin()) * self.radius
+    }
+
+    /// Second derivative of the point with respect to the angle.
+    fn bent(&self, angle: f64, z: &Nodes) -> Vector2<f64> {
+        let t = self.tangent(z);
+        (left(t) * angle.cos() - t * angle.sin()) * self.radius
+    }
+
+    /// Coefficients `a_k` and `b_k` of the node positions in `x + R (u + v J) t`, `x` with the factor `whole`.
+    fn coefficients(&self, whole: f64, u: f64, v: f64) -> [[f64; 2]; 3] {
+        let [before, after] = self.factors.map(|factor| self.radius * factor);
+        [[whole + u * (before - after), v * (before - after)], [-u * before, -v * before], [u * after, v * after]]
+    }
+
+    /// Coefficients of a point of the arc.
+    fn shares(&self, angle: f64) -> [[f64; 2]; 3] {
+        self.coefficients(1.0, angle.sin(), 1.0 - angle.cos())
+    }
+
+    /// Coefficients of the derivative of a point with respect to the angle.
+    fn shares_along(&self, angle: f64) -> [[f64; 2]; 3] {
+        self.coefficients(0.0, angle.cos(), angle.sin())
+    }
+
+    /// Point of the arc that is nearest to the obstacle, for nodes at `z` relative to it.
+    pub fn nearest(&self, obstacle: &PlaneOutline, z: &Nodes) -> Nearest {
+        let rise = |angle: f64| {
+            let local = obstacle.at(self.point(angle, z));
+            (local, local.normal.dot(&self.along(angle, z)))
+        };
+        let ends = self.ends.map(|angle| (angle, rise(angle)));
+        let [(first, (at_first, rise_first)), (last, (at_last, rise_last))] = ends;
+        // Beside the center of a ring both ends are least values.
+        let is_first_nearer = rise_first >= 0.0 && (rise_last > 0.0 || at_first.gap <= at_last.gap);
+        if is_first_nearer || rise_last <= 0.0 {
+            let (angle, local) = if is_first_nearer { (first, at_first) } else { (last, at_last) };
+            return Nearest { angle, local, gradient: pull(&self.shares(angle), local.normal), turn: Row::zeros() };
+        }
+        let (mut low, mut high, mut angle) = (first, last, 0.5 * (first + last));
+        for _ in 0..ITERATIONS {
+            let (local, rise) = rise(angle);
+            if rise > 0.0 {
+                high = angle;
+            } else {
+                low = angle;
+            }
+            let next = angle - rise / self.curvature(&local, angle, z);
+            let next = if next > low && next < high { next } else { 0.5 * (low + high) };
+            let is_found = (next - angle).abs() <= f64::EPSILON;
+            angle = next;
+            if is_found {
+                break;
+            }
+        }
+        let local = obstacle.at(self.point(angle, z));
+        let turn = -self.gradient_of_rise(&local, angle, z) / self.curvature(&local, angle, z);
+        Nearest { angle, local, gradient: pull(&self.shares(angle), local.normal), turn }
+    }
+
+    /// Second derivative of the distance with respect to the angle.
+    fn curvature(&self, local: &Local<2>, angle: f64, z: &Nodes) -> f64 {
+        let along = self.along(angle, z);
+        along.dot(&(local.curvature * along)) + local.normal.dot(&self.bent(angle, z))
+    }
+
+    /// Gradient, with respect to the positions of the nodes, of the derivative of the distance with respect to the angle.
+    fn gradient_of_rise(&self, local: &Local<2>, angle: f64, z: &Nodes) -> Row {
+        pull(&self.shares_along(angle), local.normal) + pull(&self.shares(angle), local.curvature * self.along(angle, z))
+    }
+
+    /// Gradient and Hessian of the gap at one configuration.
+    pub fn plain(&self, obstacle: &PlaneOutline, z: &Nodes, share: f64) -> ArcGradient {
+        let Nearest { angle, local, gradient, turn } = self.nearest(obstacle, z);
+        let tangent = squared(&self.shares(angle), &local.curvature) + self.gradient_of_rise(&local, angle, z) * turn.transpose();
+        ArcGradient { bar: gradient, tangent: tangent * share }
+    }
+
+    /// Discrete gradient of a step between the positions `z_0` and `z_1` relative to the obstacle; `size` is the facet size `[length]`.
+    pub fn between(&self, obstacle: &PlaneOutline, z_0: &Nodes, z_1: &Nodes, size: f64) -> ArcGradient {
+        let (start, end) = (self.nearest(obstacle, z_0), self.nearest(obstacle, z_1));
+        let change = end.local.gap - start.local.gap;
+        let at = |angle: f64| [z_0, z_1].map(|z| obstacle.at(self.point(angle, z)));
+        let error = |[before, after]: &[Local<2>; 2]| after.gap - before.gap - change;
+        let mut angle = 0.5 * (start.angle + end.angle);
+        let rise = |[before, after]: &[Local<2>; 2], angle: f64| {
+            after.normal.dot(&self.along(angle, z_1)) - before.normal.dot(&self.along(angle, z_0))
+        };
+        let reach = size.max(self.point(angle, z_1).amax());
+        if error(&at(angle)).abs() > REMAINDER * reach {
+            let (mut low, mut high) = (start.angle, end.angle);
+            for _ in 0..ITERATIONS {
+                let found = at(angle);
+                let error = error(&found);
+                // The error is at least zero at the start, at most zero at the end.
+                if error > 0.0 {
+                    low = angle;
+                } else {
+                    high = angle;
+                }
+                let next = angle - error / rise(&found, angle);
+                let is_between = next > low.min(high) && next < low.max(high);
+                let next = if is_between { next } else { 0.5 * (low + high) };
+                let is_found = (next - angle).abs() <= f64::EPSILON;
+                angle = next;
+                if is_found {
+                    break;
+                }
+            }
+        }
+        // Derivative of the angle with respect to the end positions; between nearly equal points their mean.
+        let turn = if (end.angle - start.angle).abs() > PROJECTED_INCREMENT {
+            let found = at(angle);
+            (end.gradient - pull(&self.shares(angle), found[1].normal)) / rise(&found, angle)
+        } else {
+            end.turn * 0.5
+        };
+        let [x_0, x_1] = [z_0, z_1].map(|z| self.point(angle, z));
+        let (normal, by_end) = obstacle.between(x_0, x_1, size);
+        // The discrete gradients of planes and circles are symmetric in both points.
+        let (_, by_start) = obstacle.between(x_1, x_0, size);
+        let shares = self.shares(angle);
+        let turned = by_start * self.along(angle, z_0) + by_end * self.along(angle, z_1);
+        let by_angle = pull(&self.shares_along(angle), normal) + pull(&shares, turned);
+        ArcGradient { bar: pull(&shares, normal), tangent: squared(&shares, &by_end) + by_angle * turn.transpose() }
+    }
+}
+
+impl NodeArc {
+    /// Coefficients `a_k` and `b_k` of the nearest point for nodes at `z` relative to the obstacle, with the derivatives of `T`.
+    pub fn shares_at<T: Number>(&self, obstacle: &PlaneOutline, z: &[[T; 2]; 3]) -> [[T; 2]; 3] {
+        let at = self.nearest(obstacle, &z.map(|x| Vector2::new(x[0].re(), x[1].re())));
+        let mut change = T::from(0.0);
+        for (k, turn) in at.turn.iter().enumerate() {
+            let x = z[k / 2][k % 2];
+            change += (x - x.re()) * *turn;
+        }
+        let (shares, along) = (self.shares(at.angle), self.shares_along(at.angle));
+        std::array::from_fn(|k| [0, 1].map(|i| change * along[k][i] + shares[k][i]))
+    }
+
+    /// Position of a point with these coefficients.
+    pub fn combined<T: Number>(shares: &[[T; 2]; 3], z: &[[T; 2]; 3]) -> [T; 2] {
+        let mut x = [T::from(0.0); 2];
+        for ([a, b], z) in shares.iter().zip(z) {
+            x[0] += *a * z[0] - *b * z[1];
+            x[1] += *a * z[1] + *b * z[0];
+        }
+        x
+    }
+}
+
+/// `(a_k + b_k J)^T v` for each node.
+pub(super) fn pull(shares: &[[f64; 2]; 3], v: Vector2<f64>) -> Row {
+    Row::from_fn(|i, _| {
+        let [a, b] = shares[i / 2];
+        a * v[i % 2] - b * left(v)[i % 2]
+    })
+}
+
+/// `C^T m C` for the coefficients `C` of a point.
+fn squared(shares: &[[f64; 2]; 3], m: &Matrix2<f64>) -> SMatrix<f64, 6, 6> {
+    let columns = [m.column(0).into_owned(), m.column(1).into_owned()].map(|column| pull(shares, column));
+    // Column `k` of `m C` is a combination of the columns of `m`.
+    SMatrix::from_fn(|i, k| {
+        let [a, b] = shares[k / 2];
+        if k % 2 == 0 { a * columns[0][i] + b * columns[1][i] } else { a * columns[1][i] - b * columns[0][i] }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+
+    use proptest::prelude::*;
+    use proptest::test_runner::RngSeed;
+
+    use super::super::fixtures::{dense_rows, difference, evaluated, product, tangent_along};
+    use super::super::rigid_shape::Obstacle;
+    use super::super::{CandidateSearch, PatchFunctions, PredictedMotion, RigidContact, RigidObstacle, SlipStep};
+    use crate::integrators::{Configuration, Derivative};
+
+    const COUNT: u32 = 20;
+    const UNKNOWNS: usize = 2 * COUNT as usize;
+
+    /// Nodes of the unit disk about the origin, turned by an angle.
+    fn disk(angle: f64) -> Vec<f64> {
+        let at = |k: u32| (angle + TAU * f64::from(k) / f64::from(COUNT)).sin_cos();
+        (0..COUNT).map(at).flat_map(|(sin, cos)| [cos, sin]).collect()
+    }
+
+    /// Disk on a moving obstacle, for a step that starts at `q_0`.
+    fn contact(obstacle: &Obstacle, radius: Option<f64>, q_0: &[f64], translations: &[[f64; 2]; 3]) -> RigidContact {
+        let facets: Vec<[u32; 2]> = (0..COUNT).map(|k| [k, (k + 1) % COUNT]).collect();
+        let mut kernel = RigidContact::new(&facets, obstacle, &disk(0.0)).of_curve(&disk(0.0), radius);
+        kernel.move_obstacle(&translations.map(|[x, y]| [x, y, 0.0]));
+        kernel.update_candidates(&PredictedMotion::within(q_0, 1.0));
+        kernel.begin_step(q_0);
+        kernel
+    }
+
+    fn obstacles() -> [Obstacle; 3] {
+        [
+            Obstacle::HalfPlane { point: [0.2, -1.0], normal: [0.3, 1.0] },
+            Obstacle::Disk { center: [0.4, -1.7], radius: 0.7 },
+            Obstacle::Ring { center: [0.1, 1.2], radius: 2.2 },
+        ]
+    }
+
+    /// Start and end positions, multipliers and translations: nodes displaced at random, a turn, and a displacement.
+    type Step = (Vec<f64>, Vec<f64>, Vec<f64>, [[f64; 2]; 3]);
+
+    fn step() -> impl Strategy<Value = Step> {
+        (
+            prop::collection::vec(-0.02..0.02f64, UNKNOWNS),
+            prop::collection::vec(-1.0..1.0f64, UNKNOWNS),
+            prop::sample::select(vec![1e-6, 1e-3, 0.03]),
+            (-1.0..1.0f64, -0.3..0.3f64),
+            prop::collection::vec(0.0..2.0f64, COUNT as usize),
+            prop::array::uniform3(prop::array::uniform2(-0.1..0.1f64)),
+        )
+            .prop_map(|(noise, motion, size, (angle, turn), lambda, translations)| {
+                let add = |q: Vec<f64>, by: &[f64], size: f64| -> Vec<f64> { q.iter().zip(by).map(|(q, x)| q + size * x).collect() };
+                let q_0 = add(disk(angle), &noise, 1.0);
+                // A turn of many sizes, and further displacements.
+                let turned = add(disk(angle + turn), &noise, 1.0);
+                let q_1 = add(if size > 1e-4 { turned } else { q_0.clone() }, &motion, size);
+                (q_0, q_1, lambda, translations)
+            })
+    }
+
+    fn forces(kernel: &RigidContact, blocks: &[f64], lambda: &[f64]) -> Vec<f64> {
+        let rows = dense_rows(kernel, blocks, UNKNOWNS);
+        (0..UNKNOWNS).map(|k| rows.iter().zip(lambda).map(|(row, pressure)| pressure * row[k]).sum()).collect()
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 300, rng_seed: RngSeed::Fixed(2007), failure_persistence: None, ..Default::default() })]
+
+        /// The work of the forces equals multipliers times changes of the gaps plus the work of the obstacle's motion. On a plane the
+        /// forces have no tangential component, on a disk or ring at rest no moment about its center.
+        #[test]
+        fn forces_do_the_work_of_the_gaps_and_keep_the_symmetries((q_0, q_1, lambda, translations) in step()) {
+            for (obstacle, at_rest) in obstacles().iter().flat_map(|obstacle| [(obstacle, false), (obstacle, true)]) {
+                let translations = if at_rest { [[0.0; 2]; 3] } else { translations };
+                let kernel = contact(obstacle, None, &q_0, &translations);
+                let out = evaluated(&kernel, Derivative::DiscreteGradient, &q_1, &lambda);
+                let mut force = vec![0.0; UNKNOWNS];
+                let none = vec![0.0; COUNT as usize];
+                let by_motion = kernel.obstacle_force_into(Derivative::DiscreteGradient, &q_1, &none, &lambda, &mut force);
+                let start = kernel.start_gap();
+                let by_gaps: f64 = (0..COUNT as usize).map(|k| lambda[k] * (out.gap[k] - start[k])).sum();
+                let work = product(&force, &difference(&q_1, &q_0));
+                prop_assert!((work - by_gaps - by_motion).abs() < 1e-13, "{obstacle:?}: {work} {by_gaps} {by_motion}");
+                let gap = kernel.gap(&q_1);
+                prop_assert!(difference(&out.gap, &gap).iter().all(|error| error.abs() < 1e-15), "{obstacle:?}");
+                let blocks = forces(&kernel, &out.gradient_bar, &lambda);
+                prop_assert!(difference(&blocks, &force).iter().all(|error| error.abs() < 1e-14), "{obstacle:?}");
+                let sum = |i: usize| force.iter().skip(i).step_by(2).sum::<f64>();
+                match obstacle {
+                    Obstacle::HalfPlane { normal, .. } => prop_assert!((sum(0) * normal[1] - sum(1) * normal[0]).abs() < 1e-13),
+                    Obstacle::Disk { center, .. } | Obstacle::Ring { center, .. } if at_rest => {
+                        let moment: f64 = (0..COUNT as usize)
+                            .map(|k| {
+                                let arm = [0, 1].map(|i| 0.5 * (q_0[2 * k + i] + q_1[2 * k + i]) - center[i]);
+                                arm[0] * force[2 * k + 1] - arm[1] * force[2 * k]
+                            })
+                            .sum();
+                        prop_assert!(moment.abs() < 1e-13, "{obstacle:?}: {moment}");
+                    }
+                    _ => {}
+                }
+            }
+        }
+
+        /// Gradients are derivatives of the gaps, tangents derivatives of the forces, except at kinks, where quotients of two widths
+        /// disagree: second derivatives jump where the nearest point reaches an end of its arc.
+        #[test]
+        fn gradients_and_tangents_are_derivatives(
+            (q_0, q_1, lambda, translations) in step(),
+            direction in prop::collection::vec(-1.0..1.0f64, UNKNOWNS),
+        ) {
+            // Differences of steps of 1e-6 are those of the corrections, which are not differentiable there to these digits.
+            prop_assume!(difference(&q_1, &q_0).iter().any(|change| change.abs() > 1e-4));
+            for obstacle in &obstacles() {
+                let kernel = contact(obstacle, None, &q_0, &translations);
+                let moved = |size: f64| -> Vec<f64> { q_1.iter().zip(&direction).map(|(q, d)| q + size * d).collect() };
+                let quotient = |of: &dyn Fn(&[f64]) -> Vec<f64>, size: f64| -> Vec<f64> {
+                    of(&moved(size)).iter().zip(of(&moved(-size))).map(|(a, b)| (a - b) / (2.0 * size)).collect()
+                };
+                let check = |ours: Vec<f64>, of: &dyn Fn(&[f64]) -> Vec<f64>, what: &str| {
+                    let (fine, coarse) = (quotient(of, 1e-6), quotient(of, 3e-6));
+                    for ((ours, fine), coarse) in ours.iter().zip(&fine).zip(&coarse) {
+                        let smooth = (fine - coarse).abs() < 1e-7;
+                        prop_assert!(!smooth || (ours - fine).abs() < 1e-6, "{what} {obstacle:?}: {ours} {fine} {coarse}");
+                    }
+                    Ok(())
+                };
+                for derivative in Derivative::ALL {
+                    let out = evaluated(&kernel, derivative, &q_1, &lambda);
+                    let gradients = dense_rows(&kernel, &out.gradient_end, UNKNOWNS);
+                    check(gradients.iter().map(|row| product(row, &direction)).collect(), &|q| kernel.gap(q), "gap")?;
+                    let force = |q: &[f64]| forces(&kernel, &evaluated(&kernel, derivative, q, &lambda).gradient_bar, &lambda);
+                    check(tangent_along(kernel.patches(), &out.tangent, &direction), &force, &format!("{derivative:?}"))?;
+                }
+            }
+        }
+    }
+
+    /// The least gap of a rigid disk is its distance for every angle, and a rigid turn has the slip of its circle.
+    #[test]
+    fn a_rigid_disk_rolls_on_its_circle() {
+        let (shares, turn) = (TAU / f64::from(COUNT), 1e-3_f64);
+        for angle in (0..40).map(|k| 0.013 + 0.025 * shares * f64::from(k)) {
+            for (obstacle, distance) in
+                obstacles().iter().zip([(0.3f64 * -0.2 + 1.0) / 1.09f64.sqrt() - 1.0, { 0.4f64.hypot(1.7) - 1.7 }, 1.2 - 0.1f64.hypot(1.2)])
+            {
+                let kernel = contact(obstacle, Some(1.0), &disk(angle), &[[0.0; 2]; 3]);
+                let gaps: Vec<f64> = kernel.gap(&disk(angle)).iter().zip(kernel.weights()).map(|(gap, weight)| gap / weight).collect();
+                let least = gaps.iter().copied().fold(f64::INFINITY, f64::min);
+                assert!((least - distance).abs() < 1e-14, "{obstacle:?} {angle}: {least} {distance}");
+                let (q_0, q_1) = (disk(angle - 0.5 * turn), disk(angle + 0.5 * turn));
+                let moved = difference(&q_1, &q_0);
+                let step = SlipStep {
+                    q_0: &q_0,
+                    q_1: &q_1,
+                    moved: &moved,
+                    test: Configuration::Middle,
+                    live: &[true; COUNT as usize],
+                    wants_tangent: false,
+                };
+                let mut out = super::super::Evaluation::default();
+                kernel.evaluate_slips(step, &[0.0; COUNT as usize], &mut out);
+                let touching = (0..gaps.len()).min_by(|&a, &b| gaps[a].total_cmp(&gaps[b])).unwrap_or(0);
+                let slip = out.gap[touching] / kernel.weights()[touching];
+                assert!((slip.abs() - turn).abs() < 1e-6 * turn, "{obstacle:?} {angle}: {slip}");
+            }
+        }
+    }
+
+    /// On a flattened surface each node touches by itself; beside a straight side the arc begins at the node.
+    #[test]
+    fn flat_surfaces_touch_at_their_nodes() {
+        let floor = Obstacle::HalfPlane { point: [0.0, -0.5], normal: [0.0, 1.0] };
+        let mut q = disk(0.0);
+        (0..COUNT as usize).for_each(|k| q[2 * k + 1] = q[2 * k + 1].max(-0.5));
+        let kernel = contact(&floor, None, &q, &[[0.0; 2]; 3]);
+        let flat: Vec<usize> = (0..COUNT as usize).filter(|k| q[2 * k + 1] == -0.5).collect();
+        assert_eq!(flat.len(), 7);
+        let out = evaluated(&kernel, Derivative::AT_END, &q, &[1.0; COUNT as usize]);
+        let rows = dense_rows(&kernel, &out.gradient_end, UNKNOWNS);
+        for &node in &flat[1..6] {
+            assert!(out.gap[node].abs() < 1e-15);
+            let expected = |k: usize| if k == 2 * node + 1 { kernel.weights()[node] } else { 0.0 };
+            assert!((0..UNKNOWNS).all(|k| (rows[node][k] - expected(k)).abs() < 1e-14), "{node}: {:?}", rows[node]);
+        }
+    }
+}
