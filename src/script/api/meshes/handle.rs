@@ -6,7 +6,7 @@ use std::cell::RefCell;
 use std::rc::Rc;
 use std::sync::Arc;
 
-use rhai::{Dynamic, EvalAltResult};
+use rhai::EvalAltResult;
 
 use crate::mesh::{Mesh, MeshError};
 use crate::script::api::remedies::ScriptWords;
@@ -114,6 +114,5 @@ pub fn made_of(
 
 /// Components of a vector option, or zeros.
 pub fn vector_or_zero(options: &impl Arguments, name: &str, dimension: usize) -> Result<[f64; 3], Failure> {
-    let argument = options.argument(name);
-    if argument.is_given() { argument.vector(dimension) } else { Ok([0.0; 3]) }
+    Ok(options.argument(name).given(|given| given.vector(dimension))?.unwrap_or([0.0; 3]))
 }

@@ -1,11 +1,10 @@
 //! Properties of a model.
 
-use rhai::{Array, Dynamic};
-
 use super::handle::{BodyHandle, ModelHandle};
 use crate::script::api::examples::plate_example;
-use crate::script::language::function::{Call, Form, Function, Topic, body};
-use crate::script::language::handle::{Handle, Receiver};
+use crate::script::language::declaration::declaration;
+use crate::script::language::handle::Receiver;
+use crate::script::language::prelude::*;
 
 /// Script functions defined in this file.
 pub fn functions() -> Vec<Function> {
@@ -30,15 +29,10 @@ pub fn member(
     read: fn(&Call) -> Dynamic,
 ) -> Function {
     let object = if receiver == ModelHandle::receiver() { "press" } else { "plate" };
-    Function {
-        name,
-        form: Form::Property(receiver),
-        topic: Topic::Model,
-        summary,
-        parameters: Vec::new(),
-        returns,
-        example: plate_example(&format!("print({object}.{name});")),
-        see_also: &["add_body"],
-        body: body(move |call| Ok(read(call))),
-    }
+    declaration(Topic::Model, Form::Property(receiver), name)
+        .summary(summary)
+        .returns(returns)
+        .see_also(&["add_body"])
+        .example(plate_example(&format!("print({object}.{name});")))
+        .body(move |call| Ok(read(call)))
 }
