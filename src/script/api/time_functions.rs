@@ -382,9 +382,9 @@ fn value() -> Function {
         .returns("number")
         .see_also(&["hat", "ramp", "sine", "table"])
         .example("print(hat(0.0, 1.0, 8.0).value(0.25)); // 4.0")
-        .body(|call| {
+        .body(|call, time_function| {
             let time = call.number("time")?;
-            let value = call.receiver::<TimeFunctionHandle>().0.value(time);
+            let value = time_function.0.value(time);
             value.map(Dynamic::from).map_err(|error| call.fail(error.to_string()).into())
         })
 }

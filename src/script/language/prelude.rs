@@ -6,7 +6,7 @@ pub use super::arguments::{Argument, Arguments, Options};
 pub use super::causes;
 pub use super::declaration::{column_of, function, method_of, property_of};
 pub use super::failure::Failure;
-pub use super::function::{Call, Form, Function, Topic};
+pub use super::function::{Call, Function, Topic};
 pub use super::handle::Handle;
 pub use super::host::Host;
 pub use super::parameter::{Absent, Kind, Parameter};

@@ -62,8 +62,7 @@ fn add_contact() -> Function {
             "{TOUCH}press.add_contact(\"lid\", #{{ secondary: plate.boundary(\"top\"), primary: rigid_plane(#{{ point: [0.0, 1.1], normal: \
              [0.0, -1.0] }}) }});"
         )))
-        .body(|call| {
-            let model = call.receiver::<ModelHandle>();
+        .body(|call, model| {
             let (name, options) = (call.name("name")?, call.options("options")?);
             let secondary = secondary_of(call, &options.argument("secondary"), &model)?;
             let partner = partner_of(call, &options.argument("primary"), &model)?;
@@ -107,8 +106,7 @@ fn add_self_contact() -> Function {
         ])
         .see_also(&["add_contact"])
         .example(plate_example("press.add_self_contact(\"fold\", #{ surface: plate.boundary(\"top\") });"))
-        .body(|call| {
-            let model = call.receiver::<ModelHandle>();
+        .body(|call, model| {
             let (name, options) = (call.name("name")?, call.options("options")?);
             let surface = boundary_of(&options.argument("surface"), &model)?;
             let (method, facets) = (chosen_method(&options)?, facets_of(&options)?);
@@ -136,8 +134,7 @@ fn tie() -> Function {
             "let lid = press.add_body(\"lid\", rectangle(#{ size: [2.0, 0.5], cells: [7, 1], origin: [0.0, 1.0] }), steel);\n\
              press.tie(\"weld\", #{ secondary: lid.boundary(\"bottom\"), primary: plate.boundary(\"top\") });",
         ))
-        .body(|call| {
-            let model = call.receiver::<ModelHandle>();
+        .body(|call, model| {
             let (name, options) = (call.name("name")?, call.options("options")?);
             let secondary = boundary_of(&options.argument("secondary"), &model)?;
             let to = boundary_of(&options.argument("primary"), &model)?;

@@ -34,8 +34,8 @@ fn stress(name: &'static str, piece: HomogeneousTest, summary: &'static str) -> 
         .returns("number")
         .see_also(&["uniaxial", "equibiaxial", "pure_shear", "plot", "check"])
         .example(format!("{RUBBER}print(rubber.{name}(1.5));"))
-        .body(move |call| {
-            let (material, stretch) = (call.receiver::<MaterialHandle>().0, call.number("stretch")?);
+        .body(move |call, MaterialHandle(material)| {
+            let stretch = call.number("stretch")?;
             let way = way(stretch, 1);
             let states = path(&material, piece, &way);
             match states.last().filter(|_| states.len() == way.len()) {
@@ -58,8 +58,8 @@ fn uniaxial_path() -> Function {
             "let steel = elastic_plastic(#{ youngs_modulus: 210e3, poisson_ratio: 0.3, density: 7.85e-9, yield_stress: 235.0 });\n\
                   print(steel.uniaxial_path([1.002, 1.0, 0.998, 1.002]));",
         )
-        .body(move |call| {
-            let (material, argument) = (call.receiver::<MaterialHandle>().0, call.argument("stretches"));
+        .body(move |call, MaterialHandle(material)| {
+            let argument = call.argument("stretches");
             let stretches = argument.numbers()?;
             if let Some(stretch) = stretches.iter().find(|stretch| **stretch <= 0.0 || !stretch.is_finite()) {
                 return Err(argument
@@ -109,8 +109,7 @@ fn check() -> Function {
             "let soft = hyperelastic(#{ energy: \"mu/2*(I1 - 3)\", volumetric: \"10*mu*(J - 1)^2\", mu: 1.0, density: 1.0 });\n\
                   print(soft.check());",
         )
-        .body(|call| {
-            let material = call.receiver::<MaterialHandle>().0;
+        .body(|_, MaterialHandle(material)| {
             let sentences: Array = material.weaknesses().iter().map(|weakness| Dynamic::from(weakness.to_string())).collect();
             Ok(Dynamic::from(sentences))
         })
@@ -133,8 +132,8 @@ fn plot() -> Function {
         ])
         .see_also(&["uniaxial", "equibiaxial", "pure_shear", "check"])
         .example(format!("{RUBBER}rubber.plot(\"rubber.svg\", #{{ stretches: [0.7, 2.0], y_label: \"nominal stress [MPa]\" }});"))
-        .body(|call| {
-            let (material, options) = (call.receiver::<MaterialHandle>().0, call.options("options")?);
+        .body(|call, MaterialHandle(material)| {
+            let options = call.options("options")?;
             let given = options.argument("stretches");
             let [low, high] = match given.is_given() {
                 false => STRETCHES,

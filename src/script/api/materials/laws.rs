@@ -58,8 +58,8 @@ pub fn functions() -> Vec<Function> {
             .parameters(vec![Parameter::text("name", "the name of the constant")])
             .returns("number")
             .example("let steel = neo_hookean(#{ youngs_modulus: 1e5, poisson_ratio: 0.3, density: 1e-3 }); print(steel.density);")
-            .body(|call| {
-                let (material, name) = (call.receiver::<MaterialHandle>().0, call.text("name")?);
+            .body(|call, MaterialHandle(material)| {
+                let name = call.text("name")?;
                 let constants = material.constants();
                 match constants.iter().find(|(known, _)| *known == name) {
                     Some((_, value)) => Ok(Dynamic::from(*value)),

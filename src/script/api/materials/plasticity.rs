@@ -172,7 +172,7 @@ fn back_stress() -> Function {
         .returns(MaterialHandle::NAME)
         .see_also(&["elastic_plastic"])
         .example(format!("{STEEL}let cyclic = steel.back_stress(#{{ modulus: 20e3, recovery: 150.0 }}).back_stress(#{{ modulus: 1e3 }});"))
-        .body(|call| {
+        .body(|call, _| {
             let mut constants = receiver(call)?;
             let options = call.options("options")?;
             constants.back_stresses.push(BackStress { modulus: options.number("modulus")?, recovery: options.number("recovery")? });
@@ -196,7 +196,7 @@ fn rate_dependent() -> Function {
         .returns(MaterialHandle::NAME)
         .see_also(&["elastic_plastic", "viscous"])
         .example(format!("{STEEL}let fast = steel.rate_dependent(#{{ factor: 0.022, reference_rate: 1.0 }});"))
-        .body(|call| {
+        .body(|call, _| {
             let mut constants = receiver(call)?;
             let options = call.options("options")?;
             let number = |name: &str| -> Result<Option<f64>, Failure> { options.optional_number(name) };

@@ -30,8 +30,7 @@ fn viscous() -> Function {
         .returns(MaterialHandle::NAME)
         .see_also(&["relaxing", "backward_euler"])
         .example(format!("{RUBBER}let damped = rubber.viscous(#{{ shear_viscosity: 0.01 }});"))
-        .body(|call| {
-            let MaterialHandle(material) = call.receiver();
+        .body(|call, MaterialHandle(material)| {
             let options = call.options("options")?;
             let (shear, bulk) = (options.number("shear_viscosity")?, options.number("bulk_viscosity")?);
             let viscosity = Viscosity { shear, bulk, ..material.viscosity().clone() };
@@ -55,8 +54,7 @@ fn relaxing() -> Function {
             "{RUBBER}let tire = rubber.relaxing(#{{ shear_modulus: 0.5, relaxation_time: 0.1 }})\n    \
              .relaxing(#{{ shear_modulus: 0.2, relaxation_time: 10.0 }});"
         ))
-        .body(|call| {
-            let MaterialHandle(material) = call.receiver();
+        .body(|call, MaterialHandle(material)| {
             let options = call.options("options")?;
             let (shear_modulus, relaxation_time) = (options.number("shear_modulus")?, options.number("relaxation_time")?);
             let mut viscosity = material.viscosity().clone();

@@ -107,8 +107,7 @@ pub fn boundary_where() -> Function {
         .example(
             "let plate = rectangle(#{ size: [2.0, 1.0], cells: [8, 4] });\nplate.boundary_where(\"foot\", |x, y| x < 0.51 && y < 0.01);",
         )
-        .body(|call| {
-            let handle = call.receiver::<MeshHandle>();
+        .body(|call, handle| {
             let mesh = with_boundary_where(call, &handle.mesh())?;
             call.host.count_effect();
             handle.replace(mesh);

@@ -42,9 +42,9 @@ pub fn with_elements() -> Function {
         .returns(MeshHandle::NAME)
         .see_also(&["refine", "rectangle", "extrude"])
         .example("let plate = rectangle(#{ size: [2.0, 1.0], cells: [8, 4] }).with_elements(\"quad8\");")
-        .body(|call| {
+        .body(|call, handle| {
             let kind = kind_named(&call.text("element")?);
-            let mesh = call.receiver::<MeshHandle>().mesh();
+            let mesh = handle.mesh();
             made(call, move || mesh.with_cells(kind))
         })
 }

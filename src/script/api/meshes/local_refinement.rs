@@ -32,8 +32,8 @@ pub fn refine_where() -> Function {
             "let plate = rectangle(#{ size: [2.0, 1.0], cells: [8, 4], element: \"tri3\" });\n\
                   let fine = plate.refine_where(|x, y| hypot(x - 1.0, y - 1.0) < 0.3, 2);\nlet edge = plate.refine_where(\"top\", 3);",
         )
-        .body(|call| {
-            let mut mesh = (*call.receiver::<MeshHandle>().mesh()).clone();
+        .body(|call, mesh| {
+            let mut mesh = (*mesh.mesh()).clone();
             let argument = call.argument("where");
             for _ in 0..call.integer("times")? {
                 mesh = refined(call, &argument, &mesh)?;

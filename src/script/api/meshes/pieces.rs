@@ -33,8 +33,8 @@ fn pieces() -> Function {
         .returns("Array")
         .see_also(&["part", "part_where", "join"])
         .example("let one = rectangle(#{ size: [2.0, 1.0], cells: [8, 4] }); expect(one.pieces().len == 1);")
-        .body(|call| {
-            let mesh = call.receiver::<MeshHandle>().mesh();
+        .body(|_, handle| {
+            let mesh = handle.mesh();
             let pieces = mesh.connected_cells();
             Ok(pieces.iter().map(|cells| Dynamic::from(MeshHandle::new(mesh.of_cells(cells)))).collect::<Array>().into())
         })
@@ -53,8 +53,7 @@ fn part_where() -> Function {
             "let plate = rectangle(#{ size: [2.0, 1.0], cells: [8, 4] });\nplate.part_where(\"left half\", |x, y| x < 1.0);\n\
                   let left = plate.part(\"left half\");",
         )
-        .body(|call| {
-            let handle = call.receiver::<MeshHandle>();
+        .body(|call, handle| {
             let (name, condition) = (call.name("name")?, call.callback("condition")?);
             let mut mesh = (*handle.mesh()).clone();
             if mesh.parts.iter().any(|(known, _)| *known == name) {
@@ -110,9 +109,9 @@ fn boundary_by_normal() -> Function {
         .returns(MeshHandle::NAME)
         .see_also(&["boundary_from", "boundary_near", "boundary_where"])
         .example("let ball = sphere(#{ radius: 0.5, cells: [2, 16] });\nball.boundary_by_normal(\"cap\", [0.0, 0.0, 1.0], deg(60));")
-        .body(|call| {
+        .body(|call, mesh| {
             let argument = call.argument("normal");
-            let (normal, angle) = (argument.vector(call.receiver::<MeshHandle>().mesh().dimension())?, call.number("angle")?);
+            let (normal, angle) = (argument.vector(mesh.mesh().dimension())?, call.number("angle")?);
             if normal == [0.0; 3] {
                 return Err(argument
                     .refuse(causes::NO_DIRECTION, "a normal needs a length")
@@ -140,8 +139,8 @@ fn boundary_from() -> Function {
             "let rod = cylinder(#{ radius: 0.5, height: 2.0, cells: [2, 32, 4], element: \"tet4\" });\n\
                   rod.boundary_from(\"round\", [0.5, 0.0, 1.0]);",
         )
-        .body(|call| {
-            let point = call.argument("point").vector(call.receiver::<MeshHandle>().mesh().dimension())?;
+        .body(|call, mesh| {
+            let point = call.argument("point").vector(mesh.mesh().dimension())?;
             let angle = call.number("angle")?;
             added(call, |mesh| mesh.facets_from(point, angle), "the mesh has no hull")
         })
@@ -172,8 +171,8 @@ fn boundary_near() -> Function {
             "let pipe = tube(#{ inner_radius: 0.5, outer_radius: 1.0, height: 1.0, cells: [2, 16, 2] });\n\
                   pipe.boundary_near(\"bore\", #{ center: [0.0, 0.0, 0.0], axis: [0.0, 0.0, 1.0], radius: 0.5, within: 0.01 });",
         )
-        .body(|call| {
-            let (mesh, options) = (call.receiver::<MeshHandle>().mesh(), call.options("shape")?);
+        .body(|call, handle| {
+            let (mesh, options) = (handle.mesh(), call.options("shape")?);
             let shape = Shape::of(&options, mesh.dimension())?;
             let size = mesh.points.as_flattened().iter().fold(0.0, |most: f64, x| most.max(x.abs()));
             let within = if options.argument("within").is_given() { options.number("within")? } else { ON_SHAPE * size };

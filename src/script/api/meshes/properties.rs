@@ -2,19 +2,17 @@
 
 use super::handle::MeshHandle;
 use crate::mesh::Mesh;
-use crate::script::language::declaration::declaration;
 use crate::script::language::prelude::*;
 
 /// Script functions defined in this file.
 pub fn functions() -> Vec<Function> {
-    let receiver = MeshHandle::receiver();
     let property = |name: &'static str, summary: &'static str, returns: &'static str, read: fn(&Mesh) -> Dynamic| {
-        declaration(Topic::Meshes, Form::Property(receiver), name)
+        property_of::<MeshHandle>(Topic::Meshes, name)
             .summary(summary)
             .returns(returns)
             .see_also(&["quality"])
             .example(format!("let plate = rectangle(#{{ size: [2.0, 1.0], cells: [8, 4] }}); print(plate.{name});"))
-            .body(move |call| Ok(read(&call.receiver::<MeshHandle>().mesh())))
+            .body(move |_, handle| Ok(read(&handle.mesh())))
     };
     vec![
         property("nodes", "the number of nodes", "int", |mesh| Dynamic::from(mesh.points.len() as i64)),
@@ -37,8 +35,8 @@ fn quality() -> Function {
         .returns("Map")
         .see_also(&["refine"])
         .example("let plate = rectangle(#{ size: [2.0, 1.0], cells: [8, 4] }); print(plate.quality().aspect_ratio);")
-        .body(|call| {
-            let quality = call.receiver::<MeshHandle>().mesh().quality();
+        .body(|_, mesh| {
+            let quality = mesh.mesh().quality();
             let place: Array = quality.worst_place.iter().map(|&coordinate| Dynamic::from(coordinate)).collect();
             Ok(map_of([
                 ("cells", (quality.cells as i64).into()),

@@ -134,8 +134,8 @@ fn writer() -> Function {
         .parameters(vec![path_parameter("a `.msh` file below the output folder")])
         .see_also(&["read_mesh"])
         .example("rectangle(#{ size: [2.0, 1.0], cells: [8, 4] }).write(\"plate.msh\");")
-        .body(|call| {
-            let mesh = call.receiver::<MeshHandle>().mesh();
+        .body(|call, handle| {
+            let mesh = handle.mesh();
             Ok(write(call, None, &[".msh"], || Ok(mesh.to_gmsh().into_bytes()))?)
         })
 }

@@ -13,7 +13,7 @@ pub fn functions() -> Vec<Function> {
 }
 
 /// Generator function with these options and the option `element`.
-fn generator(name: &'static str, summary: &'static str, mut options: Vec<Parameter>) -> Described {
+fn generator(name: &'static str, summary: &'static str, mut options: Vec<Parameter>) -> Described<()> {
     options.push(element(SOLID));
     function(Topic::Meshes, name)
         .summary(summary)

@@ -80,8 +80,8 @@ fn extrude() -> Function {
                   for k in 0..=12 { hook.push([2.0 * cos(deg(15) * k), 0.0, 2.0 * sin(deg(15) * k)]); }\n\
                   print(bar.extrude(#{ path: hook }));",
         )
-        .body(|call| {
-            let mesh = call.receiver::<MeshHandle>().mesh();
+        .body(|call, handle| {
+            let mesh = handle.mesh();
             let options = call.options("options")?;
             let prisms = prisms_of(&options)?;
             let change = Change { twist: options.number("twist")?, scale: scale_of(&options)?, prisms };
@@ -144,8 +144,8 @@ fn revolve() -> Function {
                   let hoop = profile.revolve(#{ layers: 48 });\n\
                   let bend = profile.revolve(#{ angle: deg(90), layers: 12 });",
         )
-        .body(|call| {
-            let mesh = call.receiver::<MeshHandle>().mesh();
+        .body(|call, handle| {
+            let mesh = handle.mesh();
             let options = call.options("options")?;
             let (layers, grading) = (options.integer("layers")? as usize, options.number("grading")?);
             let angle = options.optional_number("angle")?.unwrap_or(TAU);
@@ -185,8 +185,8 @@ fn loft() -> Function {
                   let round = foot.map(|x, y| [x * sqrt(1.0 - 0.5 * y * y), y * sqrt(1.0 - 0.5 * x * x)]);\n\
                   print(foot.loft(round, #{ height: 3.0, layers: 6 }));",
         )
-        .body(|call| {
-            let (mesh, top) = (call.receiver::<MeshHandle>().mesh(), call.handle::<MeshHandle>("top")?.mesh());
+        .body(|call, handle| {
+            let (mesh, top) = (handle.mesh(), call.handle::<MeshHandle>("top")?.mesh());
             let options = call.options("options")?;
             let (height, layers, grading) = (options.number("height")?, options.integer("layers")? as usize, options.number("grading")?);
             let prisms = prisms_of(&options)?;

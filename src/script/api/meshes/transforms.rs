@@ -26,8 +26,8 @@ fn translate() -> Function {
         .returns(MeshHandle::NAME)
         .see_also(&["rotate", "scale"])
         .example("let plate = rectangle(#{ size: [2.0, 1.0], cells: [8, 4] }).translate([1.0, 0.0]);")
-        .body(|call| {
-            let mesh = call.receiver::<MeshHandle>().mesh();
+        .body(|call, handle| {
+            let mesh = handle.mesh();
             let offset = call.argument("offset").vector(mesh.dimension())?;
             mesh_value(call, (*mesh).clone().translate(offset))
         })
@@ -44,8 +44,8 @@ fn rotate() -> Function {
         .returns(MeshHandle::NAME)
         .see_also(&["translate", "scale", "deg"])
         .example("let plate = rectangle(#{ size: [2.0, 1.0], cells: [8, 4] }).rotate(deg(30), [1.0, 0.5]);")
-        .body(|call| {
-            let mesh = call.receiver::<MeshHandle>().mesh();
+        .body(|call, handle| {
+            let mesh = handle.mesh();
             let (angle, center) = (call.number("angle")?, vector_or_zero(call, "center", mesh.dimension())?);
             if angle.abs() > MOST_TURNED {
                 let title = format!("the mesh is turned by {} rad, more than once around", brief(angle));
@@ -64,8 +64,8 @@ fn scale() -> Function {
         .returns(MeshHandle::NAME)
         .see_also(&["translate", "rotate"])
         .example("let plate = rectangle(#{ size: [2.0, 1.0], cells: [8, 4] }).scale([1.0, 0.5]);")
-        .body(|call| {
-            let mesh = call.receiver::<MeshHandle>().mesh();
+        .body(|call, handle| {
+            let mesh = handle.mesh();
             let argument = call.argument("factor");
             let factors = if argument.value().is_array() {
                 let factors = argument.numbers_of(mesh.dimension()).map_err(not_mirrored)?;
@@ -88,8 +88,8 @@ fn map_function() -> Function {
         .returns(MeshHandle::NAME)
         .see_also(&["translate", "rotate", "scale"])
         .example("let hill = rectangle(#{ size: [2.0, 1.0], cells: [16, 8] }).map(|x, y| [x, y + 0.1 * y * sin(x)]);")
-        .body(|call| {
-            let (mesh, place) = (call.receiver::<MeshHandle>().mesh(), call.callback("place")?);
+        .body(|call, handle| {
+            let (mesh, place) = (handle.mesh(), call.callback("place")?);
             let dimension = mesh.dimension();
             let moved = (*mesh).clone().mapped(|point| vector_from(call, &place, "place", &point[..dimension]));
             match moved {
@@ -117,8 +117,8 @@ fn join() -> Function {
             "let base = rectangle(#{ size: [4.0, 1.0], cells: [8, 2] });\n\
                   let tooth = rectangle(#{ size: [1.0, 1.0], cells: [2, 2], origin: [1.5, 1.0] });\nprint(base.join(tooth));",
         )
-        .body(|call| {
-            let (mesh, other) = (call.receiver::<MeshHandle>().mesh(), call.handle::<MeshHandle>("other")?.mesh());
+        .body(|call, handle| {
+            let (mesh, other) = (handle.mesh(), call.handle::<MeshHandle>("other")?.mesh());
             mesh_value(call, mesh.joined(&other))
         })
 }
@@ -152,8 +152,8 @@ fn refine() -> Function {
         .returns(MeshHandle::NAME)
         .see_also(&["refine_where", "quality"])
         .example("let plate = rectangle(#{ size: [2.0, 1.0], cells: [8, 4] }).refine();")
-        .body(|call| {
-            let (mesh, times) = (call.receiver::<MeshHandle>().mesh(), call.integer("times")?);
+        .body(|call, handle| {
+            let (mesh, times) = (handle.mesh(), call.integer("times")?);
             made(call, move || (0..times).try_fold((*mesh).clone(), |mesh, _| mesh.refine()))
         })
 }
@@ -165,8 +165,8 @@ fn part() -> Function {
         .returns(MeshHandle::NAME)
         .see_also(&["read_mesh"])
         .example("let mesh = rectangle(#{ size: [2.0, 1.0], cells: [8, 4] }); expect_error(|| mesh.part(\"left half\"), \"no part\");")
-        .body(|call| {
-            let mesh = call.receiver::<MeshHandle>().mesh();
+        .body(|call, handle| {
+            let mesh = handle.mesh();
             let argument = call.argument("name");
             let name = argument.text()?;
             match mesh.part(&name) {

@@ -20,22 +20,20 @@ pub fn functions() -> Vec<Function> {
         node(),
         boundary_of_mesh(),
         boundary_where(),
-        member(BodyHandle::receiver(), "name", "the name of the body", "String", |call| {
-            call.receiver::<BodyHandle>().definition().name.into()
+        member("plate", "name", "the name of the body", "String", |body: BodyHandle| body.definition().name.into()),
+        member("plate", "mesh", "the mesh of the body at rest", MeshHandle::NAME, |body: BodyHandle| {
+            Dynamic::from(MeshHandle::shared(body.definition().mesh))
         }),
-        member(BodyHandle::receiver(), "mesh", "the mesh of the body at rest", MeshHandle::NAME, |call| {
-            Dynamic::from(MeshHandle::shared(call.receiver::<BodyHandle>().definition().mesh))
-        }),
-        member(BodyHandle::receiver(), "material", "the material of the body", MaterialHandle::NAME, |call| {
-            Dynamic::from(MaterialHandle(call.receiver::<BodyHandle>().definition().material))
+        member("plate", "material", "the material of the body", MaterialHandle::NAME, |body: BodyHandle| {
+            Dynamic::from(MaterialHandle(body.definition().material))
         }),
         member(
-            BodyHandle::receiver(),
+            "plate",
             "mass",
             "the mass of the body (per thickness in the plane, of the whole circumference around an axis)",
             "number",
-            |call| {
-                let body = call.receiver::<BodyHandle>().definition();
+            |body: BodyHandle| {
+                let body = body.definition();
                 if let Some(inertia) = body.rigid {
                     return Dynamic::from(inertia.mass);
                 }
@@ -71,8 +69,7 @@ fn boundary_of_body() -> Function {
         .returns(BoundaryHandle::NAME)
         .see_also(&["boundary_where", "node", "fix"])
         .example(plate_example("print(plate.boundary(\"left\"));\nprint(plate.boundary([\"left\", \"top\"]));"))
-        .body(|call| {
-            let body = call.receiver::<BodyHandle>();
+        .body(|call, body| {
             let mesh = body.definition().mesh;
             let boundary = named_boundary(call, &mesh)?;
             Ok(Dynamic::from(BoundaryHandle { body: Some(body), mesh, boundary }))
@@ -86,8 +83,7 @@ fn node() -> Function {
         .returns(BoundaryHandle::NAME)
         .see_also(&["boundary", "fix", "force"])
         .example(plate_example("press.fix(plate.node([0.0, 0.0]));\npress.force(plate.node([2.0, 1.0]), [0.0, -5.0]);"))
-        .body(|call| {
-            let body = call.receiver::<BodyHandle>();
+        .body(|call, body| {
             let boundary = Boundary::of_node(node_at(&call.argument("point"), &body)?);
             let mesh = body.definition().mesh;
             Ok(Dynamic::from(BoundaryHandle { body: Some(body), mesh, boundary }))
@@ -101,8 +97,8 @@ fn boundary_of_mesh() -> Function {
         .returns(BoundaryHandle::NAME)
         .see_also(&["boundary_where"])
         .example("print(rectangle(#{ size: [2.0, 1.0], cells: [4, 2] }).boundary(\"left\"));")
-        .body(|call| {
-            let mesh = call.receiver::<MeshHandle>().mesh();
+        .body(|call, handle| {
+            let mesh = handle.mesh();
             let boundary = named_boundary(call, &mesh)?;
             Ok(Dynamic::from(BoundaryHandle { body: None, mesh, boundary }))
         })
@@ -115,8 +111,7 @@ fn boundary_where() -> Function {
         .returns(BoundaryHandle::NAME)
         .see_also(&["boundary"])
         .example(plate_example("press.fix(plate.boundary_where(\"foot\", |x, y| x < 0.51 && y < 0.01));"))
-        .body(|call| {
-            let body = call.receiver::<BodyHandle>();
+        .body(|call, body| {
             let mesh = Arc::new(with_boundary_where(call, &body.definition().mesh)?);
             body.model.0.borrow_mut().model.bodies[body.index].mesh = mesh.clone();
             let boundary = named_boundary(call, &mesh)?;
@@ -130,7 +125,7 @@ fn of_boundary(name: &'static str, summary: &'static str, returns: &'static str,
         .returns(returns)
         .see_also(&["boundary"])
         .example(format!("print(rectangle(#{{ size: [2.0, 1.0], cells: [4, 2] }}).boundary(\"left\").{name});"))
-        .body(move |call| Ok(read(&call.receiver::<BoundaryHandle>())))
+        .body(move |_, boundary| Ok(read(&boundary)))
 }
 
 fn name_parameter() -> Parameter {

@@ -28,8 +28,7 @@ pub fn body_force() -> Function {
         ])
         .see_also(&["gravity", "rotating_frame", "force", "add_damping"])
         .example(plate_example("press.body_force(\"to the center\", plate, |x, v, t| [-4.0 * x[0], -4.0 * x[1]]);"))
-        .body(|call| {
-            let model = call.receiver::<ModelHandle>();
+        .body(|call, model| {
             let (name, body) = (call.name("name")?, deformable_of(&call.argument("body"), &model)?);
             let argument = call.argument("force");
             let value = argument.value();

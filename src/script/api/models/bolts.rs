@@ -45,8 +45,7 @@ pub fn add_bolt() -> Function {
              press.add_bolt(\"bolt\", #{ from: plate.boundary(\"bottom\"), to: lid.boundary(\"top\"), preload: 10.0, stiffness: 200.0 });\n\
              print(press);",
         ))
-        .body(|call| {
-            let model = call.receiver::<ModelHandle>();
+        .body(|call, model| {
             let (name, options) = (call.name("name")?, call.options("options")?);
             let ends = ends_of(&options, &model)?;
             let [preload, stiffness, locked_at] = ["preload", "stiffness", "locked_at"].map(|name| options.number(name));

@@ -53,8 +53,7 @@ pub fn add_body() -> Function {
              let rubber = neo_hookean(#{ youngs_modulus: 1.0, poisson_ratio: 0.4999, density: 1.0 });\n\
              press.add_body(\"seal\", seal, rubber, #{ dilatation: \"mean\" });",
         ))
-        .body(|call| {
-            let model = call.receiver::<ModelHandle>();
+        .body(|call, model| {
             let (name, mut mesh) = (call.name("name")?, call.handle::<MeshHandle>("mesh")?.mesh());
             let MaterialHandle(material) = call.handle("material")?;
             let formulation = formulation_of(&call.options("formulation")?, &mesh, &material)?;
@@ -159,8 +158,7 @@ pub fn gravity() -> Function {
         ])
         .see_also(&["traction", "force"])
         .example(plate_example("press.gravity([0.0, -9.81]);\npress.gravity([0.0, -9.81], ramp(0.0, 0.1, 1.0));"))
-        .body(|call| {
-            let model = call.receiver::<ModelHandle>();
+        .body(|call, model| {
             let argument = call.argument("acceleration");
             let undecided =
                 model.0.borrow().model.bodies.is_empty() && argument.value().read_lock::<Array>().is_some_and(|array| array.len() == 3);
@@ -190,8 +188,7 @@ pub fn initial_velocity() -> Function {
         ])
         .see_also(&["add_body"])
         .example(plate_example("press.initial_velocity(plate, #{ linear: [1.0, 0.0], angular: 2.0 });"))
-        .body(|call| {
-            let model = call.receiver::<ModelHandle>();
+        .body(|call, model| {
             let body = body_of(&call.argument("body"), &model)?;
             let options = call.options("velocity")?;
             let dimension = model.0.borrow().model.dimension();
@@ -213,8 +210,7 @@ pub fn initial_displacement() -> Function {
         ])
         .see_also(&["initial_velocity", "map"])
         .example(plate_example("press.initial_displacement(plate, |x, y| [0.1 * x, 0.0]);"))
-        .body(|call| {
-            let model = call.receiver::<ModelHandle>();
+        .body(|call, model| {
             let (body, closure) = (body_of(&call.argument("body"), &model)?, call.callback("displacement")?);
             let mesh = body.definition().mesh;
             let displacement = mesh.points.iter().map(|point| vector_from(call, &closure, "displacement", &point[..mesh.dimension()]));
@@ -232,8 +228,7 @@ pub fn check() -> Function {
         .returns("Array")
         .see_also(&["simulate", "add_contact"])
         .example(plate_example("for finding in press.check() { print(finding); }"))
-        .body(|call| {
-            let model = call.receiver::<ModelHandle>();
+        .body(|call, model| {
             let model = &model.0.borrow().model;
             model.check().map_err(|error| call.fail(error.to_string()).code(error.code()).hint(error.remedy()))?;
             let sentence = |(contact, finding): (String, Finding)| format!("contact \"{contact}\": {finding}; {}", finding.hint());

@@ -39,8 +39,7 @@ pub fn add_bushing() -> Function {
              press.add_bushing(\"mount\", #{ from: engine, to: \"ground\", point: [5.5, 0.0], stiffness: [50.0, 80.0, 5.0], damping: [0.5, \
              0.8, 0.05] });",
         ))
-        .body(|call| {
-            let model = call.receiver::<ModelHandle>();
+        .body(|call, model| {
             let (name, options) = (call.name("name")?, call.options("options")?);
             let bodies = bodies_of(&options, &model, "a bushing holds")?;
             let dimension = model.0.borrow().model.dimension();

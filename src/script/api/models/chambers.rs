@@ -48,8 +48,7 @@ pub fn add_chamber() -> Function {
             "let tube = press.add_body(\"tube\", ring(#{ inner_radius: 0.5, outer_radius: 0.6, cells: [1, 24], center: [4, 4] }), steel);\n\
              press.add_chamber(\"air\", #{ boundaries: tube.boundary(\"inner\"), pressure: 20.0, exponent: 1.4, ambient: 10.0 });",
         ))
-        .body(|call| {
-            let model = call.receiver::<ModelHandle>();
+        .body(|call, model| {
             let (name, options) = (call.name("name")?, call.options("options")?);
             let argument = options.argument("boundaries");
             let surfaces = boundaries_of(&argument, &model)?;

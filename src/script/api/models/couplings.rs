@@ -24,8 +24,8 @@ pub fn add_symmetry() -> Function {
         .parameters(vec![name_parameter(), boundary_parameter(), normal.otherwise("that of the boundary, which must be flat")])
         .see_also(&["fix", "add_periodic", "reaction"])
         .example(plate_example("press.add_symmetry(\"middle\", plate.boundary(\"left\"));\nprint(press);"))
-        .body(|call| {
-            let (model, name) = (call.receiver::<ModelHandle>(), call.name("name")?);
+        .body(|call, model| {
+            let name = call.name("name")?;
             let (given, normal) = (call.argument("boundary"), call.argument("normal"));
             let on = boundary_of(&given, &model)?;
             let (dimension, flat) = {
@@ -74,8 +74,8 @@ pub fn add_coupling() -> Function {
              1.0 });\n\
              press.add_coupling(\"pull\", #{ boundary: plate.boundary(\"right\"), to: grip });\nprint(press);",
         ))
-        .body(|call| {
-            let (model, name, options) = (call.receiver::<ModelHandle>(), call.name("name")?, call.options("options")?);
+        .body(|call, model| {
+            let (name, options) = (call.name("name")?, call.options("options")?);
             let [boundary, to] = ["boundary", "to"].map(|name| options.argument(name));
             if let Some(missing) = [&boundary, &to].into_iter().find(|argument| !argument.is_given()) {
                 return Err(missing.missing().into());
@@ -120,8 +120,8 @@ pub fn add_periodic() -> Function {
             "press.add_periodic(\"sides\", #{ from: plate.boundary(\"left\"), to: plate.boundary(\"right\"), x: ramp(0.0, 1.0, 0.1) });\n\
              print(press);",
         ))
-        .body(|call| {
-            let (model, name, options) = (call.receiver::<ModelHandle>(), call.name("name")?, call.options("options")?);
+        .body(|call, model| {
+            let (name, options) = (call.name("name")?, call.options("options")?);
             let dimension = model.0.borrow().model.dimension();
             let [from, to] = ["from", "to"].map(|name| boundary_of(&options.argument(name), &model));
             let offset = along_axes(&options, dimension)?;

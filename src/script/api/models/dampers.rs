@@ -74,8 +74,7 @@ pub fn add_damper() -> Function {
              }});\npress.add_damper(\"orifice\", #{{ from: plate, from_point: [1.0, 1.0], to: table, to_point: [1.0, -1.0],\n    force: \
              \"c*v*abs(v)\", constants: #{{ c: 0.5 }} }});\nprint(press);"
         )))
-        .body(|call| {
-            let model = call.receiver::<ModelHandle>();
+        .body(|call, model| {
             let (name, options) = (call.name("name")?, call.options("options")?);
             let (ends, law) = (ends_of(&options, &model)?, law_of(&options)?);
             change(call, &model, |data| data.model.parts.push(Arc::new(DamperDefinition { name, ends, element: DamperElement(law) })))?;
@@ -98,8 +97,7 @@ pub fn add_drag() -> Function {
         ])
         .see_also(&["add_damper", "add_damping"])
         .example(plate_example("press.add_drag(\"air\", #{ boundary: plate.boundary(\"top\"), coefficient: 0.02, exponent: 2.0 });"))
-        .body(|call| {
-            let model = call.receiver::<ModelHandle>();
+        .body(|call, model| {
             let (name, options) = (call.name("name")?, call.options("options")?);
             let (argument, law) = (options.argument("boundary"), law_of(&options)?);
             let on = boundary_of(&argument, &model)?;
@@ -135,8 +133,7 @@ pub fn add_damping() -> Function {
         .parameters(vec![Parameter::object::<BodyHandle>("body", "the body"), Parameter::options("both shares").keys(keys)])
         .see_also(&["add_drag", "add_damper", "viscous"])
         .example(plate_example("press.add_damping(plate, #{ mass: 2.0, stiffness: 1e-4 });"))
-        .body(|call| {
-            let model = call.receiver::<ModelHandle>();
+        .body(|call, model| {
             let (body, options) = (deformable_of(&call.argument("body"), &model)?, call.options("options")?);
             let (rate, time) = (options.number("mass")?, options.number("stiffness")?);
             let mut definition = body.definition();

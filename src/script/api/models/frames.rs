@@ -28,8 +28,8 @@ pub fn rotating_frame() -> Function {
         .parameters(vec![Parameter::options("how it turns").keys(keys)])
         .see_also(&["gravity", "body_force"])
         .example(plate_example("press.rotating_frame(#{ velocity: 0.5, center: [1.0, 0.0] });\nprint(press);"))
-        .body(|call| {
-            let (model, options) = (call.receiver::<ModelHandle>(), call.options("options")?);
+        .body(|call, model| {
+            let options = call.options("options")?;
             let definition = frame_of(&options, &model)?;
             if model.0.borrow().model.parts.iter().any(|part| part.is_gyroscopic()) {
                 return Err(call

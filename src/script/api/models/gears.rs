@@ -40,8 +40,7 @@ pub fn add_gear() -> Function {
              press.add_joint(\"large\", #{ kind: \"point\", from: wheel.call(\"wheel\", 7.0, 1.0), point: [7.0, 0.0] });\n\
              press.add_gear(\"teeth\", #{ joints: [\"small\", \"large\"], ratio: 2.0 });",
         ))
-        .body(|call| {
-            let model = call.receiver::<ModelHandle>();
+        .body(|call, model| {
             let (name, options) = (call.name("name")?, call.options("options")?);
             let (joints, ratio) = (joints_of(&options.argument("joints"), &model.0.borrow().model)?, options.number("ratio")?);
             let kind = JointKind::Gear(Gear { joints, ratio });

@@ -35,8 +35,8 @@ pub fn grow() -> Function {
             "plate.grow(1.002);\nplate.grow(|x, y| 1.0 + 1e-3 * y);\n\
              let sim = simulate(press, #{ integrator: energy_momentum(), dt: 0.01 });\nsim.settle();",
         ))
-        .body(|call| {
-            let (body, argument) = (call.receiver::<BodyHandle>(), call.argument("factor"));
+        .body(|call, body| {
+            let argument = call.argument("factor");
             if !argument.is_given() {
                 return Err(argument.missing().into());
             }

@@ -48,8 +48,8 @@ fn directed(
         .parameters(vec![boundary_parameter(), Parameter::vector("vector", what).of(dimension), amplitude_parameter()])
         .see_also(&["torque", "gravity", "hat", "ramp", "sine", "table"])
         .example(plate_example(&format!("press.{name}(plate.boundary(\"right\"), [0.0, -5.0], ramp(0.0, 0.1, 1.0));")))
-        .body(move |call| {
-            let dimension = call.receiver::<ModelHandle>().0.borrow().model.dimension();
+        .body(move |call, model| {
+            let dimension = model.0.borrow().model.dimension();
             let vector = call.argument("vector").vector(dimension)?;
             let word = format!("{name} {}", vector_text(&vector[..dimension]));
             Ok(add_load(call, kind(vector), &word)?)
@@ -66,7 +66,7 @@ fn pressure() -> Function {
         ])
         .see_also(&["traction", "force"])
         .example(plate_example("press.pressure(plate.boundary(\"top\"), 50.0, ramp(0.0, 0.1, 1.0));"))
-        .body(|call| {
+        .body(|call, _| {
             let pressure = call.number("pressure")?;
             Ok(add_load(call, LoadKind::Pressure(pressure), &format!("pressure {}", number_text(pressure)))?)
         })
@@ -82,8 +82,8 @@ fn torque() -> Function {
         ])
         .see_also(&["force", "traction", "hat"])
         .example(plate_example("press.torque(plate.boundary(\"left\"), |t| if t < 0.1 { 5.0 } else { 0.0 });"))
-        .body(|call| {
-            let (dimension, argument) = (call.receiver::<ModelHandle>().0.borrow().model.dimension(), call.argument("axis"));
+        .body(|call, model| {
+            let (dimension, argument) = (model.0.borrow().model.dimension(), call.argument("axis"));
             if !argument.is_given() {
                 return Ok(add_load(call, LoadKind::Torque([0.0, 0.0, 1.0]), "torque")?);
             }

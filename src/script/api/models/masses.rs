@@ -30,8 +30,7 @@ pub fn add_mass() -> Function {
         .example(plate_example(&format!(
             "{TOUCH}press.add_mass(\"ballast\", #{{ body: plate, point: [1.0, 1.0], mass: 0.01 }});\nprint(press);"
         )))
-        .body(|call| {
-            let model = call.receiver::<ModelHandle>();
+        .body(|call, model| {
             let (name, options) = (call.name("name")?, call.options("options")?);
             let body = body_of(&options.argument("body"), &model)?;
             let node = (body.index, node_at(&options.argument("point"), &body)?);

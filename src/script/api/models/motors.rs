@@ -32,8 +32,7 @@ pub fn add_actuator() -> Function {
             "{TOUCH}press.add_actuator(\"cylinder\", #{{ from: plate.boundary(\"top\"), to: \"ground\", to_point: [1.0, 3.0], force: \
              ramp(0.0, 0.1, 2.0) }});"
         )))
-        .body(|call| {
-            let model = call.receiver::<ModelHandle>();
+        .body(|call, model| {
             let (name, options) = (call.name("name")?, call.options("options")?);
             let (ends, force) = (ends_of(&options, &model)?, amplitude_of(&options.argument("force"))?);
             change(call, &model, |data| {
@@ -65,8 +64,7 @@ pub fn add_motor() -> Function {
              press.add_joint(\"bearing\", #{ kind: \"point\", from: rotor, point: [5.0, 0.0] });\n\
              press.add_motor(\"motor\", #{ from: rotor, to: \"ground\", torque: hat(0.0, 0.5, 0.1) });",
         ))
-        .body(|call| {
-            let model = call.receiver::<ModelHandle>();
+        .body(|call, model| {
             let (name, options) = (call.name("name")?, call.options("options")?);
             let bodies = bodies_of(&options, &model, "a motor turns")?;
             let axis = axis_of(&options, model.0.borrow().model.dimension())?;

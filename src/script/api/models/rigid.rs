@@ -54,8 +54,7 @@ pub fn add_rigid_body() -> Function {
              let rod = press.add_rigid_body(\"rod\", rectangle(#{ size: [2.0, 0.1], cells: [4, 1], origin: [8.0, 0.0] }), #{ mass: 2.0, \
              inertia: 0.7 });",
         ))
-        .body(|call| {
-            let model = call.receiver::<ModelHandle>();
+        .body(|call, model| {
             let (name, mesh) = (call.name("name")?, call.handle::<MeshHandle>("mesh")?.mesh());
             if let Err(error) = mesh.check() {
                 let failure = call.argument("mesh").fail(error.to_string()).code(error.code()).label("the mesh cannot be computed with");
@@ -194,8 +193,7 @@ pub fn add_joint() -> Function {
              press.add_joint(\"hinge\", #{ kind: \"point\", from: rod, to: plate, point: [2.0, 0.0] });\n\
              press.add_joint(\"rail\", #{ kind: \"slot\", from: rod, point: [4.0, 0.05], axis: [0.0, 1.0], limits: [-0.5, 0.5] });",
         ))
-        .body(|call| {
-            let model = call.receiver::<ModelHandle>();
+        .body(|call, model| {
             let (name, options) = (call.name("name")?, call.options("options")?);
             let from = body_of(&options.argument("from"), &model)?.index;
             let to = options.argument("to");

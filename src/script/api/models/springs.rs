@@ -37,8 +37,7 @@ pub fn add_spring() -> Function {
              50.0 }});\npress.add_spring(\"cable\", #{{ from: plate.boundary(\"top\"), to: \"ground\", to_point: [1.0, 3.0],\n    energy: \
              \"k/2*x^2 + k*x^4\", constants: #{{ k: 20.0 }}, sides: \"tension\" }});\nprint(press);"
         )))
-        .body(|call| {
-            let model = call.receiver::<ModelHandle>();
+        .body(|call, model| {
             let (name, options) = (call.name("name")?, call.options("options")?);
             let (ends, law) = (ends_of(&options, &model)?, law_of(&options)?);
             let rest_length = options.optional_number("rest_length")?;
@@ -92,8 +91,7 @@ pub fn add_torsion_spring() -> Function {
             "{TOUCH}press.add_torsion_spring(\"hinge\", #{{ from: table, from_points: [[0.0, -1.0], [2.0, -1.0]],\n    to: plate, \
              to_points: [[0.0, 0.0], [2.0, 0.0]], stiffness: 20.0 }});"
         )))
-        .body(|call| {
-            let model = call.receiver::<ModelHandle>();
+        .body(|call, model| {
             let (name, options) = (call.name("name")?, call.options("options")?);
             let (dimension, is_round) = (model.0.borrow().model.dimension(), model.0.borrow().model.is_axisymmetric());
             if dimension != 2 || is_round {

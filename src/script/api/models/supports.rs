@@ -19,8 +19,7 @@ pub fn fix() -> Function {
         ])
         .see_also(&["add_body"])
         .example(plate_example("press.fix(plate.boundary(\"left\"));\npress.fix(plate.boundary(\"bottom\"), \"y\");"))
-        .body(|call| {
-            let model = call.receiver::<ModelHandle>();
+        .body(|call, model| {
             let on = boundary_of(&call.argument("boundary"), &model)?;
             let dimension = model.0.borrow().model.dimension();
             let components = components(&call.argument("components"), dimension)?;
@@ -42,8 +41,7 @@ pub fn prescribe() -> Function {
             "press.prescribe(plate.boundary(\"top\"), #{ y: ramp(0.0, 0.1, -0.05) });\n\
              press.prescribe(plate.boundary(\"bottom\"), #{ angle: |t| deg(90) * t, about: [1.0, 0.5] });",
         ))
-        .body(|call| {
-            let model = call.receiver::<ModelHandle>();
+        .body(|call, model| {
             let (on, options) = (boundary_of(&call.argument("boundary"), &model)?, call.options("motion")?);
             let dimension = model.0.borrow().model.dimension();
             let displacement = along_axes(&options, dimension)?;

@@ -58,8 +58,8 @@ fn buckling() -> Function {
         .returns(BucklingHandle::NAME)
         .see_also(&["settle", "follow_load", "modes"])
         .example(buckling_example("print(buckling);\nprint(buckling.factors[0]);"))
-        .body(|call| {
-            let (handle, options) = (call.receiver::<SimulationHandle>(), call.options("options")?);
+        .body(|call, handle| {
+            let options = call.options("options")?;
             let count = options.argument("count").integer()?;
             handle.refuse_in_check(call)?;
             handle.looked()?;
@@ -106,7 +106,7 @@ fn factors() -> Function {
         .returns("Array")
         .see_also(&["buckling", "shape"])
         .example(buckling_example("print(buckling.factors);"))
-        .body(|call| Ok(array_of(call.receiver::<BucklingHandle>().buckling.factors.iter().copied())))
+        .body(|_, buckling| Ok(array_of(buckling.buckling.factors.iter().copied())))
 }
 
 fn shape() -> Function {
@@ -119,8 +119,7 @@ fn shape() -> Function {
         .returns("Array")
         .see_also(&["buckling", "factors"])
         .example(buckling_example("print(buckling.shape(0, plate)[2]);"))
-        .body(|call| {
-            let handle = call.receiver::<BucklingHandle>();
+        .body(|call, handle| {
             let (argument, index) = (call.argument("mode"), handle.simulation.body_index(call)?);
             let number = argument.integer()?;
             let shapes = &handle.buckling.shapes;

@@ -121,8 +121,8 @@ fn contact() -> Function {
         .returns(ContactHandle::NAME)
         .see_also(&["add_contact"])
         .example(contact_example("print(sim.contact(\"foot\"));"))
-        .body(|call| {
-            let (handle, argument) = (call.receiver::<SimulationHandle>(), call.argument("name"));
+        .body(|call, handle| {
+            let argument = call.argument("name");
             let name = argument.text()?;
             let found = handle.with(call, |simulation| {
                 let cycling = match simulation.failure().map(|report| &report.cause) {
@@ -158,8 +158,8 @@ fn power() -> Function {
         .returns("number")
         .see_also(&["contact", "add_contact", "history"])
         .example(contact_example("sim.step();\nprint(sim.power(\"foot\"));"))
-        .body(|call| {
-            let (handle, argument) = (call.receiver::<SimulationHandle>(), call.argument("name"));
+        .body(|call, handle| {
+            let argument = call.argument("name");
             let name = argument.text()?;
             let names = handle.0.model.model.contact_names();
             let Some(index) = names.iter().position(|known| *known == name) else {
@@ -184,12 +184,12 @@ fn cycling() -> Function {
             "let race = sim.contact(\"foot\");\n\
              for node in race.cycling { print(`node ${node.node} at ${race.positions[node.index]}`); }",
         ))
-        .body(|call| {
+        .body(|_, contact| {
             let map = |node: &CyclingNode| {
                 let index = node.index.map_or(Dynamic::UNIT, |index| (index as i64).into());
                 map_of([("body", node.body.clone().into()), ("node", (node.node as i64).into()), ("index", index)])
             };
-            Ok(array_of(call.receiver::<ContactHandle>().cycling.iter().map(map)))
+            Ok(array_of(contact.cycling.iter().map(map)))
         })
 }
 
@@ -199,7 +199,7 @@ fn number(name: &'static str, summary: &'static str, read: fn(&ContactFields) ->
         .returns("number")
         .see_also(&["contact", "history"])
         .example(contact_example(&format!("print(sim.contact(\"foot\").{name});")))
-        .body(move |call| Ok(read(&call.receiver::<ContactHandle>().fields).into()))
+        .body(move |_, contact| Ok(read(&contact.fields).into()))
 }
 
 fn array(name: &'static str, summary: &'static str, read: fn(&ContactHandle) -> Dynamic) -> Function {
@@ -208,5 +208,5 @@ fn array(name: &'static str, summary: &'static str, read: fn(&ContactHandle) -> 
         .returns("Array")
         .see_also(&["contact"])
         .example(contact_example(&format!("print(sim.contact(\"foot\").{name});")))
-        .body(move |call| Ok(read(&call.receiver::<ContactHandle>())))
+        .body(move |_, contact| Ok(read(&contact)))
 }

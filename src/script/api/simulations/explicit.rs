@@ -79,7 +79,7 @@ fn stable_step_now() -> Function {
         .example(format!(
             "{FLIGHT}let sim = simulate(flight, #{{ integrator: central_differences(), dt: 0.001 }});\nprint(sim.stable_step());"
         ))
-        .body(|call| Ok(Dynamic::from(now(call)?)))
+        .body(|call, _| Ok(Dynamic::from(now(call)?)))
 }
 
 fn now(call: &Call) -> Result<Map, Failure> {

@@ -127,8 +127,8 @@ fn field() -> Function {
              print(sim.field(\"stress_xx\", plate, #{ at: \"points\" }).len());\n\
              print(sim.field(\"stress_tt\", plate, #{ center: [1.0, 0.5] }).max());",
         ))
-        .body(|call| {
-            let dimension = call.receiver::<SimulationHandle>().0.model.model.dimension();
+        .body(|call, simulation| {
+            let dimension = simulation.0.model.model.dimension();
             let values: Array = match chosen(call)? {
                 Chosen::Numbers(numbers) => numbers.into_iter().map(|(_, number)| number.into()).collect(),
                 Chosen::Vectors(vectors) => vectors.iter().map(|(_, value)| vector(value, dimension)).collect(),
@@ -149,8 +149,8 @@ fn extremes() -> Function {
         .example(flight_example(
             "sim.run_to(0.05);\nlet worst = sim.extremes(\"von_mises\", plate);\nprint(`${worst.max} at ${worst.max_at}`);",
         ))
-        .body(|call| {
-            let dimension = call.receiver::<SimulationHandle>().0.model.model.dimension();
+        .body(|call, simulation| {
+            let dimension = simulation.0.model.model.dimension();
             let sizes = chosen(call)?.sizes();
             // A gap is NaN where no surface lies opposite.
             let sizes = || sizes.iter().filter(|(_, size)| !size.is_nan());
@@ -245,8 +245,7 @@ fn body_state() -> Function {
         .returns(BodyStateHandle::NAME)
         .see_also(&["field", "history", "reaction"])
         .example(flight_example("sim.run_to(0.05);\nprint(sim.body(plate));"))
-        .body(|call| {
-            let handle = call.receiver::<SimulationHandle>();
+        .body(|call, handle| {
             let index = handle.body_index(call)?;
             let name = handle.0.model.model.bodies[index].name.clone();
             let state = handle.with(call, |simulation| BodyStateHandle {
@@ -271,5 +270,5 @@ fn property(
         .returns(returns)
         .see_also(&["body"])
         .example(flight_example(&format!("sim.run_to(0.05);\nprint(sim.body(plate).{name});")))
-        .body(move |call| Ok(read(&call.receiver::<BodyStateHandle>())))
+        .body(move |_, state| Ok(read(&state)))
 }

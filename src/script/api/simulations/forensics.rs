@@ -131,8 +131,7 @@ fn why() -> Function {
         .returns(FailedStepHandle::NAME)
         .see_also(&["write_failed", "cycling", "set"])
         .example(flight_example("print(sim.why());"))
-        .body(|call| {
-            let handle = call.receiver::<SimulationHandle>();
+        .body(|call, handle| {
             let report = handle.with(call, |simulation| simulation.failure().cloned().map(Rc::new))?;
             let (simulation, hint) = (handle.0.name.clone(), handle.0.hint.borrow().clone());
             Ok(Dynamic::from(FailedStepHandle { report, simulation, hint }))
@@ -145,8 +144,7 @@ fn write_failed() -> Function {
         .parameters(vec![Parameter::text("path", "a `.vtu` file below the output folder")])
         .see_also(&["why", "write_fields"])
         .example(flight_example("if sim.why().failed { sim.write_failed(\"failed.vtu\"); }"))
-        .body(|call| {
-            let handle = call.receiver::<SimulationHandle>();
+        .body(|call, handle| {
             let failed = handle.with(call, |simulation| (simulation.time(), simulation.failed_fields()))?;
             let (time, Some(fields)) = failed else {
                 let failure = call.refuse(causes::NO_SUCH, format!("no step of simulation \"{}\" has failed", handle.0.name));
@@ -162,7 +160,7 @@ fn failed() -> Function {
         .returns("bool")
         .see_also(&["why"])
         .example(flight_example("print(sim.why().failed);"))
-        .body(|call| Ok(call.receiver::<FailedStepHandle>().report.is_some().into()))
+        .body(|_, failed_step| Ok(failed_step.report.is_some().into()))
 }
 
 fn iterations() -> Function {
@@ -174,8 +172,7 @@ fn iterations() -> Function {
         .returns("Array")
         .see_also(&["why", "cause"])
         .example(flight_example("for iteration in sim.why().iterations { print(iteration.residual / iteration.target); }"))
-        .body(|call| {
-            let handle = call.receiver::<FailedStepHandle>();
+        .body(|_, handle| {
             let iterations = handle.report.iter().flat_map(|report| &report.iterations);
             Ok(iterations.map(|iteration| Dynamic::from(iteration_map(iteration))).collect::<Array>().into())
         })
@@ -187,8 +184,5 @@ fn cause() -> Function {
         .returns("String")
         .see_also(&["why", "iterations"])
         .example(flight_example("print(sim.why().cause);"))
-        .body(|call| {
-            let handle = call.receiver::<FailedStepHandle>();
-            Ok(handle.report.as_ref().map_or("", |report| name_of(&report.cause)).into())
-        })
+        .body(|_, handle| Ok(handle.report.as_ref().map_or("", |report| name_of(&report.cause)).into()))
 }

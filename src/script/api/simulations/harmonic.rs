@@ -89,8 +89,8 @@ fn harmonic_response() -> Function {
         .returns(ResponseHandle::NAME)
         .see_also(&["modes", "settle", "plot_curves"])
         .example(response_example("print(response);\nprint(response.at(plate, [2.0, 1.0]).amplitude);"))
-        .body(|call| {
-            let (handle, options) = (call.receiver::<SimulationHandle>(), call.options("options")?);
+        .body(|call, handle| {
+            let options = call.options("options")?;
             handle.refuse_in_check(call)?;
             handle.looked()?;
             let unit = handle.0.kernel_time(1.0);
@@ -172,7 +172,7 @@ fn frequencies() -> Function {
         .returns("Array")
         .see_also(&["harmonic_response", "at"])
         .example(response_example("print(response.frequencies);"))
-        .body(|call| Ok(array_of(call.receiver::<ResponseHandle>().frequencies())))
+        .body(|_, response| Ok(array_of(response.frequencies())))
 }
 
 fn at() -> Function {
@@ -192,8 +192,7 @@ fn at() -> Function {
             "let tip = response.at(plate, [2.0, 1.0]);\n\
              plot_curves(\"tip.svg\", [#{ x: tip.frequency, y: tip.amplitude_y }], #{ x_label: \"frequency\" });",
         ))
-        .body(|call| {
-            let handle = call.receiver::<ResponseHandle>();
+        .body(|call, handle| {
             let (index, given) = (handle.simulation.body_index(call)?, call.handle::<BodyHandle>("body")?);
             let node = node_at(&call.argument("point"), &given)? as usize;
             let bodies = &handle.simulation.0.model.model.bodies;

@@ -36,7 +36,7 @@ fn history() -> Function {
         .returns(HistoryHandle::NAME)
         .see_also(&["plot"])
         .example(flight_example("sim.step(3);\nprint(sim.history.total);"))
-        .body(|call| Ok(Dynamic::from(HistoryHandle(call.receiver()))))
+        .body(|call, _| Ok(Dynamic::from(HistoryHandle(call.receiver()))))
 }
 
 fn columns() -> Function {
@@ -45,8 +45,8 @@ fn columns() -> Function {
         .returns("Array")
         .see_also(&["history"])
         .example(flight_example("print(sim.history.columns);"))
-        .body(|call| {
-            let columns = call.receiver::<HistoryHandle>().0.columns();
+        .body(|_, history| {
+            let columns = history.0.columns();
             Ok(array_of(columns))
         })
 }
@@ -58,8 +58,8 @@ fn column() -> Function {
         .returns("Array")
         .see_also(&["history", "columns"])
         .example(flight_example("sim.step(3);\nprint(sim.history.energy_defect);"))
-        .body(|call| {
-            let (HistoryHandle(handle), name) = (call.receiver::<HistoryHandle>(), call.text("name")?);
+        .body(|call, HistoryHandle(handle)| {
+            let name = call.text("name")?;
             handle.refuse_in_check(call)?;
             let values = handle.known_column(&name).ok_or_else(|| unknown_column(call, &handle, &name))?;
             handle.check_rows()?;

@@ -88,8 +88,7 @@ fn reading(
         .returns("float")
         .see_also(&["joint", "add_joint"])
         .example(rod_example(joint, options, name))
-        .body(move |call| {
-            let joint = call.receiver::<JointHandle>();
+        .body(move |call, joint| {
             let failure =
                 |[lacks, hint]: [String; 2]| call.refuse(causes::NO_SUCH, format!("joint \"{}\" has no {lacks}", joint.name)).hint(hint);
             Ok(read(&joint).map_err(failure)?.into())
@@ -157,8 +156,8 @@ fn joint() -> Function {
         .returns(JointHandle::NAME)
         .see_also(&["add_joint", "reaction"])
         .example(example("print(sim.joint(\"hinge\"));"))
-        .body(|call| {
-            let (handle, name) = (call.receiver::<SimulationHandle>(), call.text("name")?);
+        .body(|call, handle| {
+            let name = call.text("name")?;
             let joints = &handle.0.model.model.joints;
             let known: Vec<&str> = joints.iter().map(|joint| joint.name.as_str()).collect();
             if !known.contains(&name.as_str()) {
@@ -182,5 +181,5 @@ fn property(name: &'static str, returns: &'static str, summary: &'static str, re
         .returns(returns)
         .see_also(&["joint"])
         .example(example(&format!("print(sim.joint(\"hinge\").{name});")))
-        .body(move |call| Ok(read(&call.receiver::<JointHandle>())))
+        .body(move |_, joint| Ok(read(&joint)))
 }

@@ -73,8 +73,7 @@ fn along() -> Function {
         .returns(LineHandle::NAME)
         .see_also(&["field", "section_force", "probe", "plot_curves"])
         .example(flight_example(&format!("{EXAMPLE}print(line);\nprint(line.field(\"von_mises\").max());")))
-        .body(|call| {
-            let handle = call.receiver::<SimulationHandle>();
+        .body(|call, handle| {
             let index = handle.body_index(call)?;
             let (model, count) = (&handle.0.model.model, call.integer("count")? as usize);
             let (mesh, geometry) = (model.bodies[index].mesh.clone(), Geometry::of(model));
@@ -109,8 +108,8 @@ fn distance() -> Function {
         .returns("Array")
         .see_also(&["along"])
         .example(flight_example(&format!("{EXAMPLE}print(line.distance);")))
-        .body(|call| {
-            let line = call.receiver::<LineHandle>().0;
+        .body(|_, handle| {
+            let line = handle.0;
             let last = (line.points.len() - 1) as f64;
             Ok((0..line.points.len()).map(|k| Dynamic::from(line.length * (k as f64 / last))).collect::<Array>().into())
         })
@@ -128,8 +127,8 @@ fn field() -> Function {
         .returns("Array")
         .see_also(&["along", "linearized"])
         .example(flight_example(&format!("{EXAMPLE}plot_curves(\"cut.svg\", [#{{ x: line.distance, y: line.field(\"stress_xx\") }}]);")))
-        .body(|call| {
-            let (line, options) = (call.receiver::<LineHandle>().0, call.options("options")?);
+        .body(|call, handle| {
+            let (line, options) = (handle.0, call.options("options")?);
             let frame = frame_of(&options, line.geometry)?;
             Ok(at_shares(&call.text("name")?, &line.fields, &frame, &line.shares, line.geometry.dimension()).into())
         })
@@ -147,8 +146,8 @@ fn linearized() -> Function {
         .returns("Map")
         .see_also(&["along", "field"])
         .example(flight_example(&format!("{EXAMPLE}let wall = line.linearized();\nprint(wall.membrane);\nprint(wall.bending);")))
-        .body(|call| {
-            let line = call.receiver::<LineHandle>().0;
+        .body(|call, handle| {
+            let line = handle.0;
             let Some(stresses) = line.stresses() else {
                 let failure = call.refuse(causes::OTHER_OWNER, "the line is partly outside of the body, and the stress there is not known");
                 return Err(failure

@@ -172,8 +172,8 @@ fn modes() -> Function {
         .returns(ModesHandle::NAME)
         .see_also(&["settle", "frequencies", "shape"])
         .example(modes_example("print(modes);\nprint(modes.frequencies[0]);"))
-        .body(|call| {
-            let (handle, options) = (call.receiver::<SimulationHandle>(), call.options("options")?);
+        .body(|call, handle| {
+            let options = call.options("options")?;
             let count = options.argument("count").integer()?;
             handle.refuse_in_check(call)?;
             handle.looked()?;
@@ -329,7 +329,7 @@ fn property(name: &'static str, returns: &'static str, summary: &'static str, re
         .returns(returns)
         .see_also(&["modes"])
         .example(modes_example(&format!("print(modes.{name});")))
-        .body(move |call| Ok(read(&call.receiver::<ModesHandle>().0)))
+        .body(move |_, modes| Ok(read(&modes.0)))
 }
 
 /// Argument that selects a mode by its number.
@@ -348,8 +348,7 @@ fn shape() -> Function {
         .returns("Array")
         .see_also(&["modes", "field"])
         .example(modes_example("print(modes.shape(0, plate)[2]);"))
-        .body(|call| {
-            let modes = call.receiver::<ModesHandle>();
+        .body(|call, modes| {
             let (_, mode) = modes.chosen(call, None)?;
             let (index, dimension) = (modes.0.simulation.body_index(call)?, modes.0.simulation.0.model.model.dimension());
             Ok(shape_array(&mode.shape[index], dimension))
@@ -383,8 +382,8 @@ fn picture_function() -> Function {
         ])
         .see_also(&["modes", "movie", "picture"])
         .example(modes_example("modes.picture(\"bending.svg\", #{ mode: 1 });"))
-        .body(|call| {
-            let (modes, options) = (call.receiver::<ModesHandle>(), call.options("options")?);
+        .body(|call, modes| {
+            let options = call.options("options")?;
             let (number, mode) = modes.chosen(call, Some(&options))?;
             let (mut shown, deflection) = modes.shown(&options)?;
             shown.title = modes.title(&options, number, mode)?;
@@ -405,8 +404,8 @@ fn movie_function() -> Function {
         ])
         .see_also(&["modes", "picture", "movie"])
         .example(modes_example("modes.movie(\"bending.gif\", #{ mode: 1, width: 300 });"))
-        .body(|call| {
-            let (modes, options) = (call.receiver::<ModesHandle>(), call.options("options")?);
+        .body(|call, modes| {
+            let options = call.options("options")?;
             let (number, mode) = modes.chosen(call, Some(&options))?;
             let (mut shown, deflection) = modes.shown(&options)?;
             shown.title = modes.title(&options, number, mode)?;
@@ -438,8 +437,8 @@ fn write_function() -> Function {
         ])
         .see_also(&["modes", "picture", "write_fields"])
         .example(modes_example("modes.write_fields(\"bending.vtu\", #{ mode: 1 });"))
-        .body(|call| {
-            let (modes, options) = (call.receiver::<ModesHandle>(), call.options("options")?);
+        .body(|call, modes| {
+            let options = call.options("options")?;
             let (_, mode) = modes.chosen(call, Some(&options))?;
             let content = || Ok(Frame::new(modes.0.modes.time, &modes.moved(mode, 1.0)).encode());
             Ok(write(call, Some(&modes.0.simulation), &[".vtu"], content)?)

@@ -108,8 +108,8 @@ fn follow_load() -> Function {
         .returns(PathHandle::NAME)
         .see_also(&["settle", "modes", "restore", "plot_curves"])
         .example(path_example("print(path);\nprint(path.time);\nsim.restore(path.state(-1));"))
-        .body(|call| {
-            let (handle, options) = (call.receiver::<SimulationHandle>(), call.options("options")?);
+        .body(|call, handle| {
+            let options = call.options("options")?;
             handle.refuse_nested(call)?;
             handle.refuse_in_check(call)?;
             handle.looked()?;
@@ -166,8 +166,8 @@ fn column() -> Function {
         .returns("Array")
         .see_also(&["follow_load", "history"])
         .example(path_example("print(path.strain);"))
-        .body(|call| {
-            let (path, name) = (call.receiver::<PathHandle>(), call.text("name")?);
+        .body(|call, path| {
+            let name = call.text("name")?;
             match path.simulation.column_of(&*path.rows, 0, &name) {
                 Some(values) => Ok(array_of(values)),
                 None => Err(unknown_column(call, &path.simulation, &name).into()),
@@ -181,7 +181,7 @@ fn property(name: &'static str, returns: &'static str, summary: &'static str, re
         .returns(returns)
         .see_also(&["follow_load"])
         .example(path_example(&format!("print(path.{name});")))
-        .body(move |call| Ok(read(&call.receiver::<PathHandle>())))
+        .body(move |_, path| Ok(read(&path)))
 }
 
 fn critical() -> Function {
@@ -221,8 +221,8 @@ fn state() -> Function {
         .returns(StateHandle::NAME)
         .see_also(&["follow_load", "restore", "modes"])
         .example(path_example("sim.restore(path.state(2));\nprint(sim.time);"))
-        .body(|call| {
-            let (path, number) = (call.receiver::<PathHandle>(), call.integer("point")?);
+        .body(|call, path| {
+            let number = call.integer("point")?;
             let count = path.rows.len();
             let place = if number < 0 { number + count as i64 } else { number };
             let Some(index) = usize::try_from(place).ok().filter(|&index| index < count) else {

@@ -81,8 +81,7 @@ pub fn functions() -> Vec<Function> {
             .returns("Array")
             .see_also(&["probe", "history"])
             .example(flight_example(&format!("let tip = sim.probe(\"tip\", plate, [2.0, 1.0]);\nsim.step(3);\nprint(tip.{name});")))
-            .body(move |call| {
-                let handle = call.receiver::<ProbeHandle>();
+            .body(move |call, handle| {
                 // In `conserva check` there are no results.
                 handle.simulation.with_row(call, |_| ())?;
                 let (Some(values), probe) = (handle.values(), handle.probe()) else { return Err(busy(call).into()) };
@@ -119,8 +118,8 @@ fn field() -> Function {
             "let tip = sim.probe(\"tip\", plate, [2.0, 1.0]);\nlet peaks = [];\nsim.on_step(|sim| peaks.push(tip.field(\"von_mises\")));\n\
              sim.step(3);\nprint(peaks);",
         ))
-        .body(|call| {
-            let (handle, options) = (call.receiver::<ProbeHandle>(), call.options("options")?);
+        .body(|call, handle| {
+            let options = call.options("options")?;
             let (simulation, probe, name) = (&handle.simulation, handle.probe(), call.text("name")?);
             let geometry = Geometry::of(&simulation.0.model.model);
             let frame = frame_of(&options, geometry)?;
@@ -146,8 +145,8 @@ fn probe() -> Function {
         .example(flight_example(
             "let tip = sim.probe(\"tip\", plate, [2.0, 1.0]);\nsim.step(3);\nprint(tip);\nprint(sim.history[\"tip.uy\"]);",
         ))
-        .body(|call| {
-            let (handle, argument) = (call.receiver::<SimulationHandle>(), call.argument("name"));
+        .body(|call, handle| {
+            let argument = call.argument("name");
             let (name, index) = (argument.name()?, handle.body_index(call)?);
             let model = &handle.0.model.model;
             let taken = handle.0.probes.borrow().iter().any(|probe| probe.name == name) || model.contact_names().contains(&name.as_str());

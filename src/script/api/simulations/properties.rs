@@ -43,8 +43,7 @@ fn time() -> Function {
         .returns("number")
         .see_also(&["history", "run_to"])
         .example(flight_example("print(sim.time);"))
-        .body(|call| {
-            let handle = call.receiver::<SimulationHandle>();
+        .body(|call, handle| {
             let time = handle.with_row(call, Simulation::time)?;
             Ok(handle.0.script_time(time).into())
         })
@@ -56,7 +55,7 @@ fn unknowns() -> Function {
         .returns("int")
         .see_also(&["bodies"])
         .example(flight_example("print(sim.unknowns);"))
-        .body(|call| match call.receiver::<SimulationHandle>().0.simulation.try_borrow() {
+        .body(|call, simulation| match simulation.0.simulation.try_borrow() {
             Ok(simulation) => Ok(Dynamic::from(simulation.unknowns() as i64)),
             Err(_) => Err(busy(call).into()),
         })
@@ -68,7 +67,7 @@ fn name() -> Function {
         .returns("String")
         .see_also(&["simulate"])
         .example(flight_example("print(sim.name);"))
-        .body(|call| Ok(call.receiver::<SimulationHandle>().0.name.clone().into()))
+        .body(|_, simulation| Ok(simulation.0.name.clone().into()))
 }
 
 fn bodies() -> Function {
@@ -77,8 +76,8 @@ fn bodies() -> Function {
         .returns("Array")
         .see_also(&["add_body"])
         .example(flight_example("for body in sim.bodies { print(body.name); }"))
-        .body(|call| {
-            let data = call.receiver::<SimulationHandle>().0.model.clone();
+        .body(|_, simulation| {
+            let data = simulation.0.model.clone();
             let count = data.model.bodies.len();
             let model = ModelHandle(Rc::new(RefCell::new(data)));
             Ok((0..count).map(|index| Dynamic::from(BodyHandle { model: model.clone(), index })).collect::<Array>().into())
@@ -91,5 +90,5 @@ fn property(name: &'static str, summary: &'static str, returns: &'static str, re
         .returns(returns)
         .see_also(&["history"])
         .example(flight_example(&format!("print(sim.{name});")))
-        .body(move |call| Ok(call.receiver::<SimulationHandle>().with_row(call, read)?))
+        .body(move |call, simulation| Ok(simulation.with_row(call, read)?))
 }

@@ -67,8 +67,7 @@ fn reaction() -> Function {
             "let below = table.boundary(\"bottom\");\npress.fix(below);\npress.gravity([0.0, -10.0]);\n\
              let held = simulate(press, #{ integrator: energy_momentum(), dt: 0.001 });\nheld.step();\nprint(held.reaction(below));",
         ))
-        .body(|call| {
-            let handle = call.receiver::<SimulationHandle>();
+        .body(|call, handle| {
             let boundary = match call.argument("boundary").value().try_cast::<ImmutableString>() {
                 Some(name) => name.to_string(),
                 None => call.handle::<BoundaryHandle>("boundary")?.title(),
@@ -98,5 +97,5 @@ fn property(name: &'static str, returns: &'static str, summary: &'static str, re
              let held = simulate(press, #{{ integrator: energy_momentum(), dt: 0.001 }});\nheld.step();\n\
              print(held.reaction(below).{name});"
         )))
-        .body(move |call| Ok(read(&call.receiver::<ReactionHandle>())))
+        .body(move |_, reaction| Ok(read(&reaction)))
 }

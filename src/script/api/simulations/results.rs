@@ -37,8 +37,7 @@ fn write_fields() -> Function {
         .parameters(vec![path_parameter("a `.vtu` file below the output folder")])
         .see_also(&["picture", "simulate"])
         .example(flight_example("sim.write_fields(\"start.vtu\");"))
-        .body(|call| {
-            let handle = call.receiver::<SimulationHandle>();
+        .body(|call, handle| {
             let units = || handle.0.units.clone().map(Arc::new);
             let content = || handle.with(call, |simulation| Frame::new(simulation.time(), &simulation.fields()).in_units(units()).encode());
             let written = write(call, Some(&handle), &[".vtu"], content)?;
@@ -68,8 +67,7 @@ fn show() -> Function {
         .parameters(vec![Parameter::any("columns", "the name of a column, or an array of names").otherwise("\"total\"")])
         .see_also(&["plot", "history"])
         .example(flight_example("sim.run_to(0.05);\nsim.show([\"kinetic\", \"strain\", \"total\"]);"))
-        .body(|call| {
-            let handle = call.receiver::<SimulationHandle>();
+        .body(|call, handle| {
             let columns = chosen_columns(call, &handle)?;
             if call.host.is_check() {
                 return Ok(Dynamic::UNIT);

@@ -84,8 +84,7 @@ fn section_force() -> Function {
         .returns(SectionHandle::NAME)
         .see_also(&["reaction", "joint", "along", "field"])
         .example(flight_example("sim.run_to(0.05);\nlet cut = sim.section_force(plate, [1.0, 0.5], [1.0, 0.0]);\nprint(cut);"))
-        .body(|call| {
-            let handle = call.receiver::<SimulationHandle>();
+        .body(|call, handle| {
             let index = handle.body_index(call)?;
             let (definition, dimension) = (&handle.0.model.model.bodies[index], handle.0.model.model.dimension());
             let [point, normal] = ["point", "normal"].map(|name| call.argument(name));
@@ -118,5 +117,5 @@ fn property(name: &'static str, returns: &'static str, summary: &'static str, re
         .returns(returns)
         .see_also(&["section_force"])
         .example(flight_example(&format!("sim.run_to(0.05);\nprint(sim.section_force(plate, [1.0, 0.5], [1.0, 0.0]).{name});")))
-        .body(move |call| Ok(read(&call.receiver::<SectionHandle>())))
+        .body(move |_, section| Ok(read(&section)))
 }

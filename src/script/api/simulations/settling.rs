@@ -35,8 +35,8 @@ pub fn settle() -> Function {
         .returns("Map")
         .see_also(&["run_to"])
         .example(flight_example("sim.settle();\nsim.settle(0.1);\nsim.settle(#{ friction: false });\nprint(sim.time);"))
-        .body(|call| {
-            let (handle, argument) = (call.receiver::<SimulationHandle>(), call.argument("time"));
+        .body(|call, handle| {
+            let argument = call.argument("time");
             let friction = friction_of(call)?;
             if !argument.is_given() || argument.value().is_map() || call.host.is_check() {
                 return handle.settle(call, None, friction);

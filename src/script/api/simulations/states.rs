@@ -73,8 +73,7 @@ fn save() -> Function {
         .returns(StateHandle::NAME)
         .see_also(&["restore", "back", "branch"])
         .example(flight_example("let start = sim.save();\nsim.step(3);\nsim.restore(start);"))
-        .body(|call| {
-            let handle = call.receiver::<SimulationHandle>();
+        .body(|call, handle| {
             handle.looked()?;
             let state = match handle.0.simulation.try_borrow() {
                 Ok(simulation) => simulation.shared_state(),
@@ -91,8 +90,8 @@ fn restore() -> Function {
         .parameters(vec![Parameter::object::<StateHandle>("state", "a state of this simulation")])
         .see_also(&["save", "back"])
         .example(flight_example("let start = sim.save();\nsim.step(3);\nsim.restore(start);"))
-        .body(|call| {
-            let (handle, state) = (call.receiver::<SimulationHandle>(), call.handle::<StateHandle>("state")?);
+        .body(|call, handle| {
+            let state = call.handle::<StateHandle>("state")?;
             state.refuse_for(call, &handle)?;
             handle.go_to(call, &state.state, state.history)?;
             Ok(Dynamic::UNIT)
@@ -105,8 +104,8 @@ fn back() -> Function {
         .parameters(vec![Parameter::integer("count", "how many steps").within(Interval::NonNegative).or(1)])
         .see_also(&["save", "restore", "step"])
         .example(flight_example("sim.step(3);\nsim.back(2);\nprint(sim.steps);"))
-        .body(|call| {
-            let (handle, count) = (call.receiver::<SimulationHandle>(), call.integer("count")? as usize);
+        .body(|call, handle| {
+            let count = call.integer("count")? as usize;
             if call.host.is_check() || count == 0 {
                 return Ok(Dynamic::UNIT);
             }
@@ -131,8 +130,7 @@ fn branch() -> Function {
         .returns(SimulationHandle::NAME)
         .see_also(&["save", "set"])
         .example(flight_example("sim.step(2);\nlet other = sim.branch();\nother.set(#{ dt: 0.005 });\nother.step(2);\nprint(sim.time);"))
-        .body(|call| {
-            let handle = call.receiver::<SimulationHandle>();
+        .body(|call, handle| {
             let begun = Instant::now();
             handle.looked()?;
             let (state, options) = match handle.0.simulation.try_borrow() {
@@ -170,8 +168,8 @@ fn set() -> Function {
             ])])
         .see_also(&["simulate", "branch"])
         .example(flight_example("sim.step(2);\nsim.set(#{ dt: 0.002 });\nsim.step();\nprint(sim.time);"))
-        .body(|call| {
-            let (handle, options) = (call.receiver::<SimulationHandle>(), call.options("options")?);
+        .body(|call, handle| {
+            let options = call.options("options")?;
             let (dt, tolerance, halvings) =
                 (options.argument("dt"), options.optional_number("tolerance")?, options.argument("max_halvings"));
             let size = if dt.is_given() { Some(StepSize::of(&dt)?) } else { None };
@@ -194,12 +192,9 @@ fn dt() -> Function {
         .returns("number")
         .see_also(&["set"])
         .example(flight_example("print(sim.dt);"))
-        .body(|call| {
-            let handle = call.receiver::<SimulationHandle>();
-            match handle.0.simulation.try_borrow() {
-                Ok(simulation) => Ok(handle.0.script_time(simulation.next_step()).into()),
-                Err(_) => Err(busy(call).into()),
-            }
+        .body(|call, handle| match handle.0.simulation.try_borrow() {
+            Ok(simulation) => Ok(handle.0.script_time(simulation.next_step()).into()),
+            Err(_) => Err(busy(call).into()),
         })
 }
 

@@ -31,9 +31,9 @@ pub fn step() -> Function {
         .parameters(vec![Parameter::integer("count", "how many steps").within(Interval::NonNegative).or(1)])
         .see_also(&["run_to"])
         .example(flight_example("sim.step();"))
-        .body(|call| {
+        .body(|call, simulation| {
             let count = call.integer("count")?;
-            call.receiver::<SimulationHandle>().advance(call, None, count as usize)?;
+            simulation.advance(call, None, count as usize)?;
             Ok(Dynamic::UNIT)
         })
 }
@@ -45,8 +45,8 @@ pub fn run_to() -> Function {
         .parameters(vec![Parameter::number("time", "time", Interval::Finite, "the time at which it stops")])
         .see_also(&["step", "on_step"])
         .example(flight_example("sim.run_to(0.05);"))
-        .body(|call| {
-            let (handle, end) = (call.receiver::<SimulationHandle>(), call.number("time")?);
+        .body(|call, handle| {
+            let end = call.number("time")?;
             let end = handle.0.kernel_time(end);
             let now = handle.0.simulation.try_borrow().map_err(|_| busy(call))?.time();
             if end < now {
@@ -67,10 +67,10 @@ pub fn on_step() -> Function {
         .parameters(vec![Parameter::new("action", Kind::Closure("|sim|"), "what is done after a step")])
         .see_also(&["run_to", "history"])
         .example(flight_example("sim.on_step(|s| if s.time > 0.03 { print(s.energy.total) });\nsim.run_to(0.04);"))
-        .body(|call| {
+        .body(|call, simulation| {
             let callback = call.callback("action")?;
             call.host.count_effect();
-            call.receiver::<SimulationHandle>().0.callbacks.borrow_mut().push(callback);
+            simulation.0.callbacks.borrow_mut().push(callback);
             Ok(Dynamic::UNIT)
         })
 }

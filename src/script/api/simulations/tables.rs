@@ -23,8 +23,7 @@ pub fn table() -> Function {
         .example(flight_example(
             "sim.run_to(0.05);\nsim.table(\"energies.csv\", [\"time\", \"kinetic\", \"strain\"]);\nsim.table(\"all.parquet\");",
         ))
-        .body(|call| {
-            let handle = call.receiver::<SimulationHandle>();
+        .body(|call, handle| {
             let table = columns(call, &handle)?;
             let is_parquet = call.text("path")?.ends_with(".parquet");
             let content = || match is_parquet {
