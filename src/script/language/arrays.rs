@@ -33,6 +33,15 @@ impl Argument<'_> {
         Err(failure.hint(if count == 2 { "write `[x, y]`" } else { "write `[x, y, z]`" }))
     }
 
+    /// An array of `N` finite numbers.
+    ///
+    /// # Errors
+    /// Not an array, not of that length, or not of finite numbers in range.
+    pub fn tuple<const N: usize>(&self) -> Result<[f64; N], Failure> {
+        let numbers = self.numbers_of(N)?;
+        Ok(std::array::from_fn(|i| numbers[i]))
+    }
+
     /// An array of finite numbers, of any length.
     ///
     /// # Errors
@@ -95,11 +104,11 @@ impl Argument<'_> {
         })
     }
 
-    /// An array of `count` positive whole numbers.
+    /// An array of `N` positive whole numbers.
     ///
     /// # Errors
     /// Anything else.
-    pub fn counts(&self, count: usize) -> Result<Vec<usize>, Failure> {
+    pub fn counts<const N: usize>(&self) -> Result<[usize; N], Failure> {
         let array = self.array()?;
         let whole: Option<Vec<i64>> = array.iter().map(as_whole).collect();
         let whole = whole.ok_or_else(|| {
@@ -109,18 +118,18 @@ impl Argument<'_> {
             let failure = failure.cause(format!("`{}` is {}", self.parameter.name, self.parameter.summary));
             failure.hint("write whole numbers, such as `[10, 40]`; `x.to_int()` drops a fraction")
         })?;
-        if whole.len() != count {
+        let Ok(counts) = <[i64; N]>::try_from(&whole[..]) else {
             return Err(self
-                .wrong(causes::COUNT, format!("must have {count} entries"))
+                .wrong(causes::COUNT, format!("must have {N} entries"))
                 .label(format!("this has {}", whole.len()))
                 .cause(format!("`{}` is {}", self.parameter.name, self.parameter.summary)));
-        }
+        };
         match whole.iter().find(|value| **value < 1) {
             Some(wrong) => Err(self
                 .refuse(causes::OUT_OF_RANGE, format!("every entry of {} must be 1 or greater", self.title()))
                 .label(format!("this contains {wrong}"))
                 .cause(format!("`{}` is {}", self.parameter.name, self.parameter.summary))),
-            None => Ok(whole.into_iter().map(|value| value as usize).collect()),
+            None => Ok(counts.map(|value| value as usize)),
         }
     }
 

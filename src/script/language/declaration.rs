@@ -76,6 +76,13 @@ impl<T> Described<T> {
         self
     }
 
+    /// Sets the keys of the last parameter, an options map.
+    pub fn keys(mut self, keys: Vec<Parameter>) -> Self {
+        let last = self.function.parameters.pop();
+        self.function.parameters.extend(last.map(|last| last.keys(keys)));
+        self
+    }
+
     /// Adds the name of the type of the returned value.
     pub fn returns(mut self, name: &'static str) -> Self {
         self.function.returns = name;

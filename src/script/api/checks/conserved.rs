@@ -24,16 +24,17 @@ pub fn expect_conserved() -> Function {
         .parameters(vec![
             Parameter::object::<SimulationHandle>("simulation", "the simulation"),
             Parameter::new("quantity", Kind::Choice(QUANTITIES), "what should be conserved"),
-            Parameter::options("from when and how well").keys(vec![
-                Parameter::number(
-                    "after",
-                    "time",
-                    Interval::Finite,
-                    "the time from which it should be constant: from the first step that begins there or later",
-                )
-                .or(0.0),
-                Parameter::number("tolerance", "1", Interval::NonNegative, "the largest drift, relative to the size of the quantity"),
-            ]),
+            Parameter::options("from when and how well"),
+        ])
+        .keys(vec![
+            Parameter::number(
+                "after",
+                "time",
+                Interval::Finite,
+                "the time from which it should be constant: from the first step that begins there or later",
+            )
+            .or(0.0),
+            Parameter::number("tolerance", "1", Interval::NonNegative, "the largest drift, relative to the size of the quantity"),
         ])
         .see_also(&["expect_close", "history"])
         .example(flight_example("sim.run_to(0.05);\nexpect_conserved(sim, \"energy\", #{ after: 0.0, tolerance: 1e-10 });"))

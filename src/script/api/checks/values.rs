@@ -42,11 +42,12 @@ pub fn expect_close() -> Function {
         .parameters(vec![
             Parameter::any("a", "a number or an array of numbers"),
             Parameter::any("b", "what it should be"),
-            Parameter::map("tolerances", "the tolerances; one that holds is enough").otherwise("#{ relative: 1e-9 }").keys(vec![
-                Parameter::number("relative", "1", Interval::NonNegative, "the largest difference, relative to the larger of the two")
-                    .otherwise("1e-9 when `absolute` is not given either"),
-                Parameter::number("absolute", "any", Interval::NonNegative, "the largest difference").otherwise("no absolute tolerance"),
-            ]),
+            Parameter::map("tolerances", "the tolerances; one that holds is enough").otherwise("#{ relative: 1e-9 }"),
+        ])
+        .keys(vec![
+            Parameter::number("relative", "1", Interval::NonNegative, "the largest difference, relative to the larger of the two")
+                .otherwise("1e-9 when `absolute` is not given either"),
+            Parameter::number("absolute", "any", Interval::NonNegative, "the largest difference").otherwise("no absolute tolerance"),
         ])
         .see_also(&["expect"])
         .example("expect_close(0.1 + 0.2, 0.3, #{ relative: 1e-12 });")

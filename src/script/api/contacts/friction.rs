@@ -47,23 +47,22 @@ fn coulomb() -> Function {
     let number = |name, dimension, range, summary, absent| Parameter::number(name, dimension, range, summary).otherwise(absent);
     function(Topic::Contact, "coulomb")
         .summary("Coulomb friction for a contact: the shear stress in sliding is `coefficient` times the pressure")
-        .parameters(vec![Parameter::options("coefficient, and what else the shear stress depends on").keys(vec![
-                Parameter::new(
-                    "coefficient",
-                    Kind::Either("a number, a time function, or a closure `|t| …` or `|x, y| …`"),
-                    "the kinetic coefficient, 0 or more",
-                )
-                .of("1"),
-                number("at_rest", "1", Interval::Positive, "the ratio of the static to the kinetic coefficient, 1 or more", "1"),
-                number("transition_speed", "length/time", Interval::Positive, "the speed of the transition to sliding", "no transition"),
-                Parameter::number("exponent", "1", Interval::Positive, "the exponent of `exp(-(v/transition_speed)^exponent)`")
-                    .or(1.0),
-                Parameter::number("adhesion", "stress", Interval::NonNegative, "the shear stress of sticking surfaces without pressure")
-                    .or(0.0),
-                number("most", "stress", Interval::Positive, "the maximum shear stress", "no bound"),
-                Parameter::number("viscosity", "stress*time/length", Interval::NonNegative, "the shear stress per speed of a film")
-                    .or(0.0),
-            ])])
+        .parameters(vec![Parameter::options("coefficient, and what else the shear stress depends on")])
+        .keys(vec![
+            Parameter::new(
+                "coefficient",
+                Kind::Either("a number, a time function, or a closure `|t| …` or `|x, y| …`"),
+                "the kinetic coefficient, 0 or more",
+            )
+            .of("1"),
+            number("at_rest", "1", Interval::Positive, "the ratio of the static to the kinetic coefficient, 1 or more", "1"),
+            number("transition_speed", "length/time", Interval::Positive, "the speed of the transition to sliding", "no transition"),
+            Parameter::number("exponent", "1", Interval::Positive, "the exponent of `exp(-(v/transition_speed)^exponent)`").or(1.0),
+            Parameter::number("adhesion", "stress", Interval::NonNegative, "the shear stress of sticking surfaces without pressure")
+                .or(0.0),
+            number("most", "stress", Interval::Positive, "the maximum shear stress", "no bound"),
+            Parameter::number("viscosity", "stress*time/length", Interval::NonNegative, "the shear stress per speed of a film").or(0.0),
+        ])
         .returns(FrictionHandle::NAME)
         .see_also(&["friction_curve", "rough", "add_contact"])
         .example(

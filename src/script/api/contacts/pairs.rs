@@ -27,35 +27,33 @@ fn add_contact() -> Function {
     let [secondary_shape, primary_shape] = shape_parameters();
     method_of::<ModelHandle>(Topic::Contact, "add_contact")
         .summary("lets a boundary touch others, or a rigid obstacle, with friction or without")
-        .parameters(vec![
-            name_parameter(),
-            Parameter::options("sides and method").keys(vec![
-                Parameter::new(
-                    "secondary",
-                    Kind::Either("a Boundary or an array of them"),
-                    "the side that carries the contact pressure (slave, nonmortar): one boundary, or several of one body",
-                ),
-                Parameter::new(
-                    "primary",
-                    Kind::Either("a Boundary, an array of them, or an Obstacle"),
-                    "the other side (master, mortar): one boundary, several of them as one surface, or a rigid obstacle",
-                ),
-                method_parameter(),
-                facets_parameter(),
-                secondary_shape,
-                primary_shape,
-                update,
-                penalty,
-                augmented,
-                friction_parameter(),
-                restitution_parameter(),
-                Parameter::flag(
-                    "equality",
-                    "whether every covered node is closed and tension allowed (the bilateral constraints of the paper); its friction is \
+        .parameters(vec![name_parameter(), Parameter::options("sides and method")])
+        .keys(vec![
+            Parameter::new(
+                "secondary",
+                Kind::Either("a Boundary or an array of them"),
+                "the side that carries the contact pressure (slave, nonmortar): one boundary, or several of one body",
+            ),
+            Parameter::new(
+                "primary",
+                Kind::Either("a Boundary, an array of them, or an Obstacle"),
+                "the other side (master, mortar): one boundary, several of them as one surface, or a rigid obstacle",
+            ),
+            method_parameter(),
+            facets_parameter(),
+            secondary_shape,
+            primary_shape,
+            update,
+            penalty,
+            augmented,
+            friction_parameter(),
+            restitution_parameter(),
+            Parameter::flag(
+                "equality",
+                "whether every covered node is closed and tension allowed (the bilateral constraints of the paper); its friction is \
                      bounded by the magnitude of the pressure, as in a guide with contact on both sides",
-                )
-                .or(false),
-            ]),
+            )
+            .or(false),
         ])
         .see_also(&["mortar", "rigid_plane", "add_self_contact", "tie"])
         .example(plate_example(&format!(
@@ -92,17 +90,15 @@ fn add_self_contact() -> Function {
     let [update, penalty, augmented] = rule_parameters();
     method_of::<ModelHandle>(Topic::Contact, "add_self_contact")
         .summary("lets a boundary touch itself where it folds, with friction or without")
-        .parameters(vec![
-            name_parameter(),
-            Parameter::options("surface and method").keys(vec![
-                Parameter::object::<BoundaryHandle>("surface", "the boundary that may touch itself"),
-                method_parameter(),
-                facets_parameter(),
-                update,
-                penalty,
-                augmented,
-                friction_parameter(),
-            ]),
+        .parameters(vec![name_parameter(), Parameter::options("surface and method")])
+        .keys(vec![
+            Parameter::object::<BoundaryHandle>("surface", "the boundary that may touch itself"),
+            method_parameter(),
+            facets_parameter(),
+            update,
+            penalty,
+            augmented,
+            friction_parameter(),
         ])
         .see_also(&["add_contact"])
         .example(plate_example("press.add_self_contact(\"fold\", #{ surface: plate.boundary(\"top\") });"))
@@ -120,14 +116,12 @@ fn add_self_contact() -> Function {
 fn tie() -> Function {
     method_of::<ModelHandle>(Topic::Contact, "tie")
         .summary("holds two boundaries together although their meshes do not match")
-        .parameters(vec![
-            name_parameter(),
-            Parameter::options("sides").keys(vec![
-                Parameter::object::<BoundaryHandle>("secondary", "the side with the multipliers, better the finer one"),
-                Parameter::object::<BoundaryHandle>("primary", "the other side"),
-                Parameter::number("reach", "length", Interval::Positive, "the distance at rest within which the two are tied")
-                    .otherwise("half of the shortest secondary facet"),
-            ]),
+        .parameters(vec![name_parameter(), Parameter::options("sides")])
+        .keys(vec![
+            Parameter::object::<BoundaryHandle>("secondary", "the side with the multipliers, better the finer one"),
+            Parameter::object::<BoundaryHandle>("primary", "the other side"),
+            Parameter::number("reach", "length", Interval::Positive, "the distance at rest within which the two are tied")
+                .otherwise("half of the shortest secondary facet"),
         ])
         .see_also(&["add_contact"])
         .example(plate_example(

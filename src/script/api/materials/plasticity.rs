@@ -25,15 +25,16 @@ fn elastic_plastic() -> Function {
              column `BODY.plastic_work` since the start; field `plastic_strain`. Cells have a mean dilatation by default. Formulas: \
              `docs/tasks/plasticity.md`",
         )
-        .parameters(vec![Parameter::options("the constants").keys(vec![
-                Parameter::number("youngs_modulus", "stress", Interval::Positive, "stiffness in uniaxial tension"),
-                Parameter::number("poisson_ratio", "1", Interval::Open(-1.0, 0.5), "lateral contraction over extension"),
-                Parameter::number("density", "mass/volume", Interval::Positive, "mass per undeformed volume"),
-                Parameter::number("yield_stress", "stress", Interval::Positive, "true stress in tension at which flow begins")
-                    .otherwise("the first of the points of `hardening`"),
-                Parameter::new("hardening", Kind::Either(FORMS), "the yield stress as a function of the plastic strain")
-                    .otherwise("perfect plasticity"),
-            ])])
+        .parameters(vec![Parameter::options("the constants")])
+        .keys(vec![
+            Parameter::number("youngs_modulus", "stress", Interval::Positive, "stiffness in uniaxial tension"),
+            Parameter::number("poisson_ratio", "1", Interval::Open(-1.0, 0.5), "lateral contraction over extension"),
+            Parameter::number("density", "mass/volume", Interval::Positive, "mass per undeformed volume"),
+            Parameter::number("yield_stress", "stress", Interval::Positive, "true stress in tension at which flow begins")
+                .otherwise("the first of the points of `hardening`"),
+            Parameter::new("hardening", Kind::Either(FORMS), "the yield stress as a function of the plastic strain")
+                .otherwise("perfect plasticity"),
+        ])
         .returns(MaterialHandle::NAME)
         .see_also(&["back_stress", "rate_dependent", "hardening_curve"])
         .example(format!(
@@ -165,10 +166,11 @@ fn back_stress() -> Function {
             "the elastic-plastic material with one more back stress (kinematic hardening): dX = 2/3 modulus dep - recovery X d alpha, \
              Prager's without recovery, Armstrong and Frederick's with it; there may be four (Chaboche)",
         )
-        .parameters(vec![Parameter::options("the back stress").keys(vec![
+        .parameters(vec![Parameter::options("the back stress")])
+        .keys(vec![
             Parameter::number("modulus", "stress", Interval::Positive, "its slope per plastic strain in uniaxial tension"),
             Parameter::number("recovery", "1", Interval::NonNegative, "dynamic recovery: it saturates at modulus over recovery").or(0.0),
-        ])])
+        ])
         .returns(MaterialHandle::NAME)
         .see_also(&["elastic_plastic"])
         .example(format!("{STEEL}let cyclic = steel.back_stress(#{{ modulus: 20e3, recovery: 150.0 }}).back_stress(#{{ modulus: 1e3 }});"))
@@ -188,11 +190,12 @@ fn rate_dependent() -> Function {
              (Perzyna) or k (1 + factor ln(d alpha/dt / reference_rate)) above that rate (Johnson and Cook, without heat); `settle` and \
              `statics()` neglect rates",
         )
-        .parameters(vec![Parameter::options("the dependence: `viscosity` alone, or `factor` and `reference_rate`").keys(vec![
+        .parameters(vec![Parameter::options("the dependence: `viscosity` alone, or `factor` and `reference_rate`")])
+        .keys(vec![
             optional("viscosity", "stress*time", "overstress per rate (Perzyna)"),
             optional("factor", "1", "C of Johnson and Cook"),
             optional("reference_rate", "1/time", "the rate up to which nothing changes (Johnson and Cook)"),
-        ])])
+        ])
         .returns(MaterialHandle::NAME)
         .see_also(&["elastic_plastic", "viscous"])
         .example(format!("{STEEL}let fast = steel.rate_dependent(#{{ factor: 0.022, reference_rate: 1.0 }});"))
@@ -221,10 +224,11 @@ fn hardening_curve() -> Function {
         )
         .parameters(vec![
             Parameter::array("test", "the points of the test, strains growing"),
-            Parameter::options("further data of the specimen").keys(vec![
-                Parameter::number("youngs_modulus", "stress", Interval::Positive, "stiffness of the specimen"),
-                Parameter::number("yield_stress", "stress", Interval::Positive, "true stress at which flow begins"),
-            ]),
+            Parameter::options("further data of the specimen"),
+        ])
+        .keys(vec![
+            Parameter::number("youngs_modulus", "stress", Interval::Positive, "stiffness of the specimen"),
+            Parameter::number("yield_stress", "stress", Interval::Positive, "true stress at which flow begins"),
         ])
         .returns("Array")
         .see_also(&["elastic_plastic"])

@@ -17,16 +17,17 @@ fn viscous() -> Function {
             "the material with a viscosity of Kelvin and Voigt: a stress 2 eta dE/dt + zeta tr(dE/dt) I on the rate of the strain; its \
              heat is the column `dissipation` of the history; in plane stress elastic and viscous stress vanish together across the plane",
         )
-        .parameters(vec![Parameter::options("the viscosities").keys(vec![
-                Parameter::number("shear_viscosity", "stress*time", Interval::NonNegative, "the resistance eta to a rate of strain"),
-                Parameter::number(
-                    "bulk_viscosity",
-                    "stress*time",
-                    Interval::NonNegative,
-                    "the additional resistance zeta to a rate of the volume change",
-                )
-                .or(0.0),
-            ])])
+        .parameters(vec![Parameter::options("the viscosities")])
+        .keys(vec![
+            Parameter::number("shear_viscosity", "stress*time", Interval::NonNegative, "the resistance eta to a rate of strain"),
+            Parameter::number(
+                "bulk_viscosity",
+                "stress*time",
+                Interval::NonNegative,
+                "the additional resistance zeta to a rate of the volume change",
+            )
+            .or(0.0),
+        ])
         .returns(MaterialHandle::NAME)
         .see_also(&["relaxing", "backward_euler"])
         .example(format!("{RUBBER}let damped = rubber.viscous(#{{ shear_viscosity: 0.01 }});"))
@@ -44,10 +45,11 @@ fn relaxing() -> Function {
             "the material with one more branch of Maxwell, which stiffens a sudden strain and then relaxes: the stress 2 mu Y of a strain \
              that fades, dY/dt = dE/dt - Y/tau; several calls make a Prony series",
         )
-        .parameters(vec![Parameter::options("the branch").keys(vec![
+        .parameters(vec![Parameter::options("the branch")])
+        .keys(vec![
             Parameter::number("shear_modulus", "stress", Interval::Positive, "mu, the additional shear modulus for a sudden strain"),
             Parameter::number("relaxation_time", "time", Interval::Positive, "tau, in which its stress falls to 1/e"),
-        ])])
+        ])
         .returns(MaterialHandle::NAME)
         .see_also(&["viscous"])
         .example(format!(

@@ -112,7 +112,7 @@ pub fn made_of(
     if count <= FEW_CELLS { mesh_value(call, make()) } else { made(call, make) }
 }
 
-/// Components of a vector option, or zeros.
-pub fn vector_or_zero(options: &impl Arguments, name: &str, dimension: usize) -> Result<[f64; 3], Failure> {
-    Ok(options.argument(name).given(|given| given.vector(dimension))?.unwrap_or([0.0; 3]))
+/// Coordinates of a point among the options; the origin by default.
+pub fn point_or_origin<const D: usize>(options: &Options, name: &str) -> Result<[f64; D], Failure> {
+    Ok(options.argument(name).given(Argument::tuple)?.unwrap_or([0.0; D]))
 }

@@ -74,23 +74,24 @@ fn region() -> Function {
             "unstructured cells inside an outline of lines, arcs and splines, with the boundaries `outer`, `hole 1`, … and the names of \
              curves",
         )
-        .parameters(vec![Parameter::options("outline and size").keys(vec![
-                Parameter::new(
-                    "outline",
-                    Kind::Either("an array that begins with a point `[x, y]`, then points and curves, or a `circle`"),
-                    "the start, then the curves; a point alone is a straight line to it, and a line closes an open outline",
-                )
-                .of("length"),
-                Parameter::new(
-                    "size",
-                    Kind::Either("a number or a closure `|x, y| …`"),
-                    "the approximate length of a cell's edges; a closure gives it for each place",
-                )
-                .of("length"),
-                Parameter::array("holes", "holes, each like an outline").of("length").otherwise("none"),
-                layers::parameter(),
-                element(PLANE),
-            ])])
+        .parameters(vec![Parameter::options("outline and size")])
+        .keys(vec![
+            Parameter::new(
+                "outline",
+                Kind::Either("an array that begins with a point `[x, y]`, then points and curves, or a `circle`"),
+                "the start, then the curves; a point alone is a straight line to it, and a line closes an open outline",
+            )
+            .of("length"),
+            Parameter::new(
+                "size",
+                Kind::Either("a number or a closure `|x, y| …`"),
+                "the approximate length of a cell's edges; a closure gives it for each place",
+            )
+            .of("length"),
+            Parameter::array("holes", "holes, each like an outline").of("length").otherwise("none"),
+            layers::parameter(),
+            element(PLANE),
+        ])
         .returns(MeshHandle::NAME)
         .see_also(&["polygon", "line_to", "arc_to", "spline_to", "circle", "refine_where", "read_mesh"])
         .example(
@@ -247,17 +248,16 @@ fn line_to() -> Function {
 fn arc_to() -> Function {
     function(Topic::Meshes, "arc_to")
         .summary("a side of a `region` that is an arc of a circle, from where the curve before it ends: about a center, or through a point")
-        .parameters(vec![Parameter::options("where it goes").keys(vec![
-                Parameter::vector("to", "where it ends").of("length"),
-                Parameter::vector("center", "the center, as far from the end as from the start")
-                    .of("length")
-                    .otherwise("follows from `through`"),
-                Parameter::vector("through", "a point on the arc between its ends")
-                    .of("length")
-                    .otherwise("follows from `center`"),
-                Parameter::flag("clockwise", "which way it goes about the center").or(false),
-                name_parameter(),
-            ])])
+        .parameters(vec![Parameter::options("where it goes")])
+        .keys(vec![
+            Parameter::vector("to", "where it ends").of("length"),
+            Parameter::vector("center", "the center, as far from the end as from the start")
+                .of("length")
+                .otherwise("follows from `through`"),
+            Parameter::vector("through", "a point on the arc between its ends").of("length").otherwise("follows from `center`"),
+            Parameter::flag("clockwise", "which way it goes about the center").or(false),
+            name_parameter(),
+        ])
         .returns(CurveHandle::NAME)
         .see_also(&["region", "circle", "line_to", "spline_to"])
         .example(
@@ -305,11 +305,12 @@ fn spline_to() -> Function {
 fn circle() -> Function {
     function(Topic::Meshes, "circle")
         .summary("a whole circle as the outline or a hole of a `region`")
-        .parameters(vec![Parameter::options("where and how large").keys(vec![
+        .parameters(vec![Parameter::options("where and how large")])
+        .keys(vec![
             Parameter::vector("center", "the center").of("length"),
             Parameter::number("radius", "length", Interval::Positive, "the radius"),
             name_parameter(),
-        ])])
+        ])
         .returns(CurveHandle::NAME)
         .see_also(&["region", "arc_to", "disk"])
         .example(

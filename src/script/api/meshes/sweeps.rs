@@ -44,33 +44,25 @@ fn extrude() -> Function {
              `top` at the end (`bottom_`, `top_` where the plane mesh has these names). Along a path the section stands across it, its \
              origin on the path, and does not turn about it",
         )
-        .parameters(vec![Parameter::options("the way and the layers").keys(vec![
-                Parameter::number("height", "length", Interval::Positive, "how far it is drawn out along z")
-                    .otherwise("the length of `path`"),
-                layers("the number of cells along the height").otherwise("one from each point of `path` to the next"),
-                growth("the ratio of the last to the first cell, along the height"),
-                Parameter::array(
-                    "path",
-                    "in place of `height`, points `[x, y, z]` with a section at each; a path that ends at its first point closes",
-                )
-                .of("length")
-                .otherwise("straight along z"),
-                Parameter::number(
-                    "twist",
-                    "rad",
-                    Interval::Finite,
-                    "the angle by which the section has turned at the end, about its origin",
-                )
+        .parameters(vec![Parameter::options("the way and the layers")])
+        .keys(vec![
+            Parameter::number("height", "length", Interval::Positive, "how far it is drawn out along z").otherwise("the length of `path`"),
+            layers("the number of cells along the height").otherwise("one from each point of `path` to the next"),
+            growth("the ratio of the last to the first cell, along the height"),
+            Parameter::array(
+                "path",
+                "in place of `height`, points `[x, y, z]` with a section at each; a path that ends at its first point closes",
+            )
+            .of("length")
+            .otherwise("straight along z"),
+            Parameter::number("twist", "rad", Interval::Finite, "the angle by which the section has turned at the end, about its origin")
                 .or(0.0),
-                Parameter::any(
-                    "scale",
-                    "the ratio of the size of the section at the end to that at the start, a number or one for x and y",
-                )
+            Parameter::any("scale", "the ratio of the size of the section at the end to that at the start, a number or one for x and y")
                 .of("1")
                 .within(Interval::Positive)
                 .otherwise("1"),
-                wedges(),
-            ])])
+            wedges(),
+        ])
         .returns(MeshHandle::NAME)
         .see_also(&["revolve", "loft", "block", "tube", "refine"])
         .example(
@@ -115,8 +107,7 @@ fn scale_of(options: &Options) -> Result<[f64; 2], Failure> {
         return Ok([1.0; 2]);
     }
     if argument.value().is_array() {
-        let factors = argument.numbers_of(2)?;
-        return Ok([factors[0], factors[1]]);
+        return argument.tuple();
     }
     Ok([argument.number()?; 2])
 }
@@ -128,15 +119,16 @@ fn revolve() -> Function {
              triangles; its boundaries become sides, with `start` and `end` (`start_`, `end_` where the plane mesh has these names) unless \
              the turn is a full one. The mesh must be on one side of the axis",
         )
-        .parameters(vec![Parameter::options("turn and layers").keys(vec![
-                layers("the number of cells around"),
-                Parameter::number("angle", "rad", Interval::Finite, "how far it is turned, by the right-hand rule about the axis")
-                    .otherwise("a full turn"),
-                Parameter::vector("center", "a point `[x, y]` of the axis").of("length").otherwise("[0, 0]"),
-                Parameter::vector("axis", "the direction `[x, y]` of the axis").of("1").otherwise("[0, 1]"),
-                growth("the ratio of the last to the first cell, around"),
-                wedges(),
-            ])])
+        .parameters(vec![Parameter::options("turn and layers")])
+        .keys(vec![
+            layers("the number of cells around"),
+            Parameter::number("angle", "rad", Interval::Finite, "how far it is turned, by the right-hand rule about the axis")
+                .otherwise("a full turn"),
+            Parameter::vector("center", "a point `[x, y]` of the axis").of("length").otherwise("[0, 0]"),
+            Parameter::vector("axis", "the direction `[x, y]` of the axis").of("1").otherwise("[0, 1]"),
+            growth("the ratio of the last to the first cell, around"),
+            wedges(),
+        ])
         .returns(MeshHandle::NAME)
         .see_also(&["extrude", "torus", "tube"])
         .example(
@@ -171,12 +163,13 @@ fn loft() -> Function {
         )
         .parameters(vec![
             Parameter::object::<MeshHandle>("top", "the mesh at the end, made with the same counts of cells"),
-            Parameter::options("height and layers").keys(vec![
-                Parameter::number("height", "length", Interval::Positive, "how far above it is, along z"),
-                layers("the number of cells along the height"),
-                growth("the ratio of the last to the first cell, along the height"),
-                wedges(),
-            ]),
+            Parameter::options("height and layers"),
+        ])
+        .keys(vec![
+            Parameter::number("height", "length", Interval::Positive, "how far above it is, along z"),
+            layers("the number of cells along the height"),
+            growth("the ratio of the last to the first cell, along the height"),
+            wedges(),
         ])
         .returns(MeshHandle::NAME)
         .see_also(&["extrude", "map", "revolve"])

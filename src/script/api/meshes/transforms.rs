@@ -2,7 +2,7 @@
 
 use rhai::EvalAltResult;
 
-use super::handle::{MeshHandle, made, mesh_value, vector_or_zero};
+use super::handle::{MeshHandle, made, mesh_value};
 use crate::mesh::SelectionError;
 use crate::script::api::remedies::ScriptWords;
 use crate::script::language::callback::Callback;
@@ -46,7 +46,8 @@ fn rotate() -> Function {
         .example("let plate = rectangle(#{ size: [2.0, 1.0], cells: [8, 4] }).rotate(deg(30), [1.0, 0.5]);")
         .body(|call, handle| {
             let mesh = handle.mesh();
-            let (angle, center) = (call.number("angle")?, vector_or_zero(call, "center", mesh.dimension())?);
+            let (angle, dimension) = (call.number("angle")?, mesh.dimension());
+            let center = call.argument("center").given(|given| given.vector(dimension))?.unwrap_or([0.0; 3]);
             if angle.abs() > MOST_TURNED {
                 let title = format!("the mesh is turned by {} rad, more than once around", brief(angle));
                 let warning = Diagnostic::warning(title, call.place(&Target::Argument(0))).code("C0263");

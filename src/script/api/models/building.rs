@@ -177,14 +177,12 @@ pub fn gravity() -> Function {
 pub fn initial_velocity() -> Function {
     method_of::<ModelHandle>(Topic::Model, "initial_velocity")
         .summary("lets a body start with a velocity and a spin about its center of mass")
-        .parameters(vec![
-            Parameter::object::<BodyHandle>("body", "the body"),
-            Parameter::map("velocity", "the velocities").keys(vec![
-                Parameter::vector("linear", "the velocity of the center of mass").of("length/time").otherwise("at rest"),
-                Parameter::new("angular", Kind::Number, "the angular velocity, counter-clockwise; in space a vector is allowed too")
-                    .of("1/time")
-                    .otherwise("no spin"),
-            ]),
+        .parameters(vec![Parameter::object::<BodyHandle>("body", "the body"), Parameter::map("velocity", "the velocities")])
+        .keys(vec![
+            Parameter::vector("linear", "the velocity of the center of mass").of("length/time").otherwise("at rest"),
+            Parameter::new("angular", Kind::Number, "the angular velocity, counter-clockwise; in space a vector is allowed too")
+                .of("1/time")
+                .otherwise("no spin"),
         ])
         .see_also(&["add_body"])
         .example(plate_example("press.initial_velocity(plate, #{ linear: [1.0, 0.0], angular: 2.0 });"))

@@ -15,16 +15,17 @@ pub fn add_mass() -> Function {
         .summary("adds a mass at a point of a body: it moves with the point, weighs, and is part of the body's mass and momenta")
         .parameters(vec![
             Parameter::text("name", "its name, unique among masses and springs"),
-            Parameter::options("where it is, and how large").keys(vec![
-                Parameter::object::<BodyHandle>("body", "the body"),
-                Parameter::vector("point", "a point of it in the undeformed body: the nearest node").of("length"),
-                Parameter::number(
-                    "mass",
-                    "mass",
-                    Interval::NonNegative,
-                    "the mass (plane: per thickness; axisymmetric: of the whole circumference)",
-                ),
-            ]),
+            Parameter::options("where it is, and how large"),
+        ])
+        .keys(vec![
+            Parameter::object::<BodyHandle>("body", "the body"),
+            Parameter::vector("point", "a point of it in the undeformed body: the nearest node").of("length"),
+            Parameter::number(
+                "mass",
+                "mass",
+                Interval::NonNegative,
+                "the mass (plane: per thickness; axisymmetric: of the whole circumference)",
+            ),
         ])
         .see_also(&["add_spring", "add_body", "force"])
         .example(plate_example(&format!(

@@ -30,21 +30,22 @@ pub fn add_rigid_body() -> Function {
         .parameters(vec![
             Parameter::text("name", "its name, unique in the model"),
             Parameter::object::<MeshHandle>("mesh", "its undeformed mesh: its shape in pictures, and its surface"),
-            Parameter::options("its density, or mass and inertia").keys(vec![
-                Parameter::number("density", "mass/length^3", Interval::Positive, "density of the mesh, for mass and inertia")
-                    .otherwise("`mass` is given"),
-                Parameter::number("mass", "mass", Interval::Positive, "its mass (plane: per thickness), in place of a density")
-                    .otherwise("that of the mesh"),
-                Parameter::new(
-                    "inertia",
-                    Kind::Either("a number, or an array of 3 or 6 numbers"),
-                    "moments of inertia about the center of mass: in the plane one number, in space those about the axes x, y and z \
+            Parameter::options("its density, or mass and inertia"),
+        ])
+        .keys(vec![
+            Parameter::number("density", "mass/length^3", Interval::Positive, "density of the mesh, for mass and inertia")
+                .otherwise("`mass` is given"),
+            Parameter::number("mass", "mass", Interval::Positive, "its mass (plane: per thickness), in place of a density")
+                .otherwise("that of the mesh"),
+            Parameter::new(
+                "inertia",
+                Kind::Either("a number, or an array of 3 or 6 numbers"),
+                "moments of inertia about the center of mass: in the plane one number, in space those about the axes x, y and z \
                      through it, `[xx, yy, zz]`, and then the products `int rho x y dV`: `[xx, yy, zz, xy, yz, xz]`",
-                )
-                .of("mass * length^2")
-                .otherwise("that of the mesh, with this mass"),
-                Parameter::vector("center", "its center of mass at rest").of("length").otherwise("that of the mesh"),
-            ]),
+            )
+            .of("mass * length^2")
+            .otherwise("that of the mesh, with this mass"),
+            Parameter::vector("center", "its center of mass at rest").of("length").otherwise("that of the mesh"),
         ])
         .returns(BodyHandle::NAME)
         .see_also(&["add_joint", "add_body", "add_contact", "initial_velocity"])

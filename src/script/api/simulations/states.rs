@@ -158,14 +158,14 @@ fn branch() -> Function {
 fn set() -> Function {
     method_of::<SimulationHandle>(Topic::Simulation, "set")
         .summary("changes how the next steps are taken; what is left out stays as it is")
-        .parameters(vec![Parameter::options("what changes").keys(vec![
-                Parameter::new("dt", STEP_SIZE, "the step size").of("time").within(Interval::Positive).otherwise("as before"),
-                Parameter::number("tolerance", "1", Interval::Open(0.0, 1.0), "Newton's tolerance, see `simulate`")
-                    .otherwise("as before"),
-                Parameter::integer("max_halvings", "how often a step that fails may be halved")
-                    .within(Interval::Closed(0.0, 50.0))
-                    .otherwise("as before"),
-            ])])
+        .parameters(vec![Parameter::options("what changes")])
+        .keys(vec![
+            Parameter::new("dt", STEP_SIZE, "the step size").of("time").within(Interval::Positive).otherwise("as before"),
+            Parameter::number("tolerance", "1", Interval::Open(0.0, 1.0), "Newton's tolerance, see `simulate`").otherwise("as before"),
+            Parameter::integer("max_halvings", "how often a step that fails may be halved")
+                .within(Interval::Closed(0.0, 50.0))
+                .otherwise("as before"),
+        ])
         .see_also(&["simulate", "branch"])
         .example(flight_example("sim.step(2);\nsim.set(#{ dt: 0.002 });\nsim.step();\nprint(sim.time);"))
         .body(|call, handle| {

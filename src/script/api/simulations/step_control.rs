@@ -93,39 +93,30 @@ pub fn auto() -> Function {
              path length of the bodies, as far as it can be estimated (`docs/integrators.md`); steps end where a time function has a kink, \
              where frames of the fields are written and where `run_to` stops",
         )
-        .parameters(vec![Parameter::options("how accurate steps are, and how long they may be").otherwise("the defaults").keys(vec![
-                    Parameter::number(
-                        "tolerance",
-                        "1",
-                        Interval::Open(0.0, 1.0),
-                        "the growth of the error relative to the path length of the fastest body, both as root mean squares over the mass \
+        .parameters(vec![Parameter::options("how accurate steps are, and how long they may be").otherwise("the defaults")])
+        .keys(vec![
+            Parameter::number(
+                "tolerance",
+                "1",
+                Interval::Open(0.0, 1.0),
+                "the growth of the error relative to the path length of the fastest body, both as root mean squares over the mass \
                          of a body",
-                    )
-                    .or(STEP_ERROR),
-                    Parameter::number("first", "time", Interval::Positive, "the size of the first step")
-                        .otherwise("the root of `tolerance` times the time that sound takes across the smallest cells"),
-                    Parameter::number(
-                        "smallest",
-                        "time",
-                        Interval::Positive,
-                        "the smallest size; at this size steps with larger errors are accepted",
-                    )
-                    .otherwise("a millionth of the first step"),
-                    Parameter::number(
-                        "largest",
-                        "time",
-                        Interval::Positive,
-                        "the largest size: a fraction of the shortest event to be resolved",
-                    )
-                    .otherwise("no bound"),
-                    Parameter::number(
-                        "plastic_strain",
-                        "1",
-                        Interval::Positive,
-                        "the largest plastic strain of a step at any point of a body",
-                    )
-                    .otherwise("no bound"),
-                ])])
+            )
+            .or(STEP_ERROR),
+            Parameter::number("first", "time", Interval::Positive, "the size of the first step")
+                .otherwise("the root of `tolerance` times the time that sound takes across the smallest cells"),
+            Parameter::number(
+                "smallest",
+                "time",
+                Interval::Positive,
+                "the smallest size; at this size steps with larger errors are accepted",
+            )
+            .otherwise("a millionth of the first step"),
+            Parameter::number("largest", "time", Interval::Positive, "the largest size: a fraction of the shortest event to be resolved")
+                .otherwise("no bound"),
+            Parameter::number("plastic_strain", "1", Interval::Positive, "the largest plastic strain of a step at any point of a body")
+                .otherwise("no bound"),
+        ])
         .returns(StepControlHandle::NAME)
         .see_also(&["simulate", "run_to"])
         .example(format!(

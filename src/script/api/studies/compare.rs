@@ -32,11 +32,12 @@ pub fn compare() -> Function {
         .parameters(vec![
             Parameter::new("first", Kind::Either(CURVE), "the first curve, or a simulation; what is measured or exact"),
             Parameter::new("second", Kind::Either(CURVE), "the second curve, or a simulation"),
-            Parameter::options("what is compared").otherwise("everything that both have").keys(vec![
-                end("from", "where the comparison begins"),
-                end("to", "where it ends"),
-                Parameter::array("columns", "names of the columns of two simulations").otherwise("all that both have, but for counts"),
-            ]),
+            Parameter::options("what is compared").otherwise("everything that both have"),
+        ])
+        .keys(vec![
+            end("from", "where the comparison begins"),
+            end("to", "where it ends"),
+            Parameter::array("columns", "names of the columns of two simulations").otherwise("all that both have, but for counts"),
         ])
         .returns("Map")
         .see_also(&["minimize", "read_csv", "plot_curves", "history"])

@@ -41,7 +41,8 @@ pub fn compare_integrators() -> Function {
              an eighth of the smallest `dt`) and `order`, and `failure`, which is empty or says why it stopped. In the folder `studies` of \
              the run are the table, plots, and both as a page",
         )
-        .parameters(vec![Parameter::options("what is run, and how").keys(vec![
+        .parameters(vec![Parameter::options("what is run, and how")])
+        .keys(vec![
             Parameter::new("model", Kind::Closure("||"), "gives the model; it is called for each run"),
             Parameter::array("integrators", "the time integrators"),
             Parameter::new("dt", Kind::Either("a number, `auto()`, or an array of them"), "the step size, or several").of("time"),
@@ -49,7 +50,7 @@ pub fn compare_integrators() -> Function {
             Parameter::flag("settle", "whether runs begin with a static equilibrium").or(false),
             Parameter::integer("max_halvings", "how often a step that fails may be halved").within(Interval::Closed(0.0, 50.0)).or(7),
             name_parameter("integrators"),
-        ])])
+        ])
         .returns("Array")
         .see_also(&["energy_momentum", "generalized_alpha", "sweep", "expect_order", "format_table"])
         .example(

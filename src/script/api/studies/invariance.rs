@@ -28,18 +28,19 @@ pub fn expect_invariant() -> Function {
                 "builds a model, runs it and gives the simulation; while it is run again, `simulate` moves the whole model, and the script \
                  keeps its own clock",
             ),
-            Parameter::options("what is changed").keys(vec![
-                Parameter::number("rotate", "rad", Interval::Finite, "the angle by which the model is turned about the third axis")
-                    .otherwise("not turned"),
-                Parameter::vector("translate", "the vector by which it is moved").of("length").otherwise("not moved"),
-                Parameter::map("units", "the new units").otherwise("the same units").keys(vec![
-                    factor("mass", "how many new units of mass the old one is"),
-                    factor("length", "how many new units of length the old one is"),
-                    factor("time", "how many new units of time the old one is"),
-                ]),
-                Parameter::number("tolerance", "1", Interval::NonNegative, "the largest difference, relative to each quantity's size")
-                    .or(INVARIANT),
+            Parameter::options("what is changed"),
+        ])
+        .keys(vec![
+            Parameter::number("rotate", "rad", Interval::Finite, "the angle by which the model is turned about the third axis")
+                .otherwise("not turned"),
+            Parameter::vector("translate", "the vector by which it is moved").of("length").otherwise("not moved"),
+            Parameter::map("units", "the new units").otherwise("the same units").keys(vec![
+                factor("mass", "how many new units of mass the old one is"),
+                factor("length", "how many new units of length the old one is"),
+                factor("time", "how many new units of time the old one is"),
             ]),
+            Parameter::number("tolerance", "1", Interval::NonNegative, "the largest difference, relative to each quantity's size")
+                .or(INVARIANT),
         ])
         .see_also(&["expect_order", "expect_conserved"])
         .example(

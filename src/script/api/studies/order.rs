@@ -27,16 +27,15 @@ pub fn expect_order() -> Function {
                 "computes with a step size; gives a number, an array of numbers, or a simulation, whose final positions are compared",
             ),
             Parameter::number("order", "1", Interval::Positive, "the order: halving the step divides the error by 2^order"),
-            Parameter::options("the step sizes").keys(vec![
-                Parameter::number("dt", "any", Interval::Positive, "the largest step size"),
-                Parameter::integer("runs", "the number of step sizes, each half of the one before")
-                    .within(Interval::Closed(2.0, 12.0))
-                    .or(4),
-                Parameter::any("exact", "the exact result, a number or an array of numbers")
-                    .otherwise("results of successive step sizes are compared"),
-                Parameter::number("tolerance", "1", Interval::Positive, "the largest deviation of the last order from the expected one")
-                    .or(0.2),
-            ]),
+            Parameter::options("the step sizes"),
+        ])
+        .keys(vec![
+            Parameter::number("dt", "any", Interval::Positive, "the largest step size"),
+            Parameter::integer("runs", "the number of step sizes, each half of the one before").within(Interval::Closed(2.0, 12.0)).or(4),
+            Parameter::any("exact", "the exact result, a number or an array of numbers")
+                .otherwise("results of successive step sizes are compared"),
+            Parameter::number("tolerance", "1", Interval::Positive, "the largest deviation of the last order from the expected one")
+                .or(0.2),
         ])
         .see_also(&["expect_close", "expect_invariant"])
         .example(

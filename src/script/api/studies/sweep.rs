@@ -27,23 +27,24 @@ pub fn sweep() -> Function {
              the point's values, what the closure gave (`value`, or the keys of the map that it gave), and `failure`, which is empty or \
              says why the point failed. Simulations in it write no files; the rows are in `studies/sweep.csv` as they come",
         )
-        .parameters(vec![Parameter::options("the points and what is done").keys(vec![
-                Parameter::new(
-                    "vary",
-                    Kind::Either("a map of arrays `#{ dt: [0.01, 0.005] }` or an array of maps"),
-                    "what differs: of a map of arrays (or ranges, or single values) all combinations, names in the order of the alphabet, \
+        .parameters(vec![Parameter::options("the points and what is done")])
+        .keys(vec![
+            Parameter::new(
+                "vary",
+                Kind::Either("a map of arrays `#{ dt: [0.01, 0.005] }` or an array of maps"),
+                "what differs: of a map of arrays (or ranges, or single values) all combinations, names in the order of the alphabet, \
                      the last one runs fastest; an array of maps is the points as they are",
-                ),
-                Parameter::new(
-                    "run",
-                    Kind::Closure("|p|"),
-                    "computes a point, whose values are `p.dt`, …; gives a number, a string, an array or a map of such",
-                ),
-                Parameter::new("failures", Kind::Choice(&["keep", "stop"]), "whether a point that fails is a row, or ends the script")
-                    .or("keep"),
-                threads_parameter(),
-                name_parameter("sweep"),
-            ])])
+            ),
+            Parameter::new(
+                "run",
+                Kind::Closure("|p|"),
+                "computes a point, whose values are `p.dt`, …; gives a number, a string, an array or a map of such",
+            ),
+            Parameter::new("failures", Kind::Choice(&["keep", "stop"]), "whether a point that fails is a row, or ends the script")
+                .or("keep"),
+            threads_parameter(),
+            name_parameter("sweep"),
+        ])
         .returns("Array")
         .see_also(&["minimize", "format_table", "write_table", "compare", "plot_curves"])
         .example(
