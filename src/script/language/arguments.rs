@@ -167,7 +167,7 @@ impl Argument<'_> {
     /// Reads the argument, if the script has given it.
     ///
     /// # Errors
-    /// Those of `read`.
+    /// Errors of `read`.
     pub fn given<T>(&self, read: impl FnOnce(&Self) -> Result<T, Failure>) -> Result<Option<T>, Failure> {
         self.is_given().then(|| read(self)).transpose()
     }
