@@ -56,7 +56,7 @@ pub fn friction_of(options: &Options, joint: &JointDefinition, dimension: usize)
     }
     let refused = |key: &str, why: String, hint: &str| {
         let argument = options.argument(key);
-        Err(argument.wrong(causes::OPTIONS_TOGETHER, format!("{why}")).hint(hint))
+        Err(argument.wrong(causes::OPTIONS_TOGETHER, why).hint(hint))
     };
     let rotates = joint.kind.rotates(dimension);
     let kind = joint.kind.name();
