@@ -5,15 +5,9 @@
 #![forbid(unsafe_code)]
 
 #[doc(no_inline)]
-pub use conserva_base::{elements, integrators, linear, machine, math};
-#[doc(no_inline)]
-pub use conserva_bodies::bodies;
+pub use conserva_bodies::{bodies, elements, integrators, linear, machine, materials, math, mesh};
 #[doc(no_inline)]
 pub use conserva_contact::contact;
-#[doc(no_inline)]
-pub use conserva_materials::materials;
-#[doc(no_inline)]
-pub use conserva_mesh::mesh;
 
 #[path = "../../src/dynamics/mod.rs"]
 pub mod dynamics;

@@ -5,17 +5,7 @@
 #![forbid(unsafe_code)]
 
 #[doc(no_inline)]
-pub use conserva_base::{elements, integrators, linear, machine, math};
-#[doc(no_inline)]
-pub use conserva_bodies::bodies;
-#[doc(no_inline)]
-pub use conserva_contact::contact;
-#[doc(no_inline)]
-pub use conserva_dynamics::dynamics;
-#[doc(no_inline)]
-pub use conserva_materials::materials;
-#[doc(no_inline)]
-pub use conserva_mesh::mesh;
+pub use conserva_dynamics::{bodies, contact, dynamics, elements, integrators, linear, machine, materials, math, mesh};
 
 #[path = "../../src/output/mod.rs"]
 pub mod output;

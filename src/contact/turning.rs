@@ -26,7 +26,7 @@ use super::placement::{ObstaclePlacement, TurningAxis};
 use super::profile::Profile;
 use super::search::{Candidates, PairSearch};
 use super::slip::SlipStep;
-use super::surface::{Sides, Surface};
+use super::surface::Sides;
 use super::window::{MotionBound, PredictedMotion};
 use crate::integrators::{Configuration, Derivative};
 use crate::math::workers::Workers;
@@ -171,14 +171,6 @@ impl PatchFunctions for TurningContact {
         self.inner.sides()
     }
 
-    fn secondary(&self) -> &Surface {
-        self.inner.secondary()
-    }
-
-    fn primary(&self) -> &Surface {
-        self.inner.primary()
-    }
-
     fn rows_per_node(&self) -> usize {
         self.inner.rows_per_node()
     }
@@ -209,14 +201,6 @@ impl PatchFunctions for TurningContact {
 
     fn owns(&self, p: usize, node: u32) -> bool {
         self.inner.owns(p, node)
-    }
-
-    fn facet_size(&self) -> f64 {
-        self.inner.facet_size()
-    }
-
-    fn patches(&self) -> &Patches {
-        self.inner.patches()
     }
 
     fn bytes(&self) -> u64 {
@@ -377,6 +361,7 @@ impl RigidObstacle for TurningContact {
 mod tests {
     use super::*;
     use crate::contact::fixtures::{difference, evaluated, product};
+    use crate::contact::surface::Surface;
     use crate::contact::{Facets, Obstacle, ObstacleInSpace, RigidContact, RigidCorners, RigidInSpace};
 
     const TRANSLATIONS: [[f64; 3]; 3] = [[0.1, -0.2, 0.0], [0.12, -0.15, 0.0], [0.15, -0.1, 0.0]];

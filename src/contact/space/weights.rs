@@ -19,7 +19,7 @@
 use super::clipping::VERTICES;
 use super::polygon::Polygon;
 use super::vectors::Vec3;
-use super::vertices::{CORNERS, NODES, OfNodes, PerTriangle, PolygonBorder, outward, shape_gradients};
+use super::vertices::{CORNERS, NODES, OfNodes, PerTriangle, PolygonBorder, Vertex, outward, shape_gradients};
 use super::view::{POINTS, View};
 use crate::contact::numbers::{Each, Jet};
 use crate::math::simd::Kernel;
@@ -49,7 +49,7 @@ struct Sums {
 
 impl Sums {
     #[inline(always)]
-    fn add(&mut self, view: &View<f64>, polygon: &Polygon<f64>, all_edges: bool) {
+    fn add(&mut self, view: &View<f64>, polygon: &Polygon<f64>, edges: Edges) {
         let places = view.places(&polygon.corners);
         let gradients = [shape_gradients(&places[0], polygon.areas[0]), shape_gradients(&places[1], polygon.areas[1])];
         let mut integrals = [[0.0; SHAPES]; 3];
@@ -78,7 +78,7 @@ impl Sums {
                 }
             }
         }
-        edges_into(polygon, all_edges, &mut slopes);
+        edges_into(polygon, edges, &mut slopes);
         self.add_to_points(&polygon.corners, &integrals, &slopes);
     }
 
@@ -176,9 +176,26 @@ impl Sums {
     }
 }
 
-/// True if an edge of a polygon lies on sides of both triangles; `only_outer` leaves out edges between triangles of one facet.
+/// Edges of the polygons of a facet pair.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Edges {
+    /// All edges.
+    All,
+    /// Edges on the border of a facet, without those between triangles of one facet.
+    Outer,
+}
+
+impl Edges {
+    /// True if the edge that begins at a vertex is one of these.
+    #[inline(always)]
+    fn contain(self, from: &Vertex<f64>) -> bool {
+        self == Edges::All || !from.is_inner
+    }
+}
+
+/// True if one of the edges of a polygon lies on sides of both triangles.
 #[inline(always)]
-fn coincides(polygon: &Polygon<f64>, only_outer: bool) -> bool {
+fn coincides(polygon: &Polygon<f64>, edges: Edges) -> bool {
     let vertices = polygon.vertices();
     let mut found = false;
     for (k, from) in vertices.iter().enumerate() {
@@ -189,18 +206,18 @@ fn coincides(polygon: &Polygon<f64>, only_outer: bool) -> bool {
                 is_on[side] |= from.shape(side)[j].abs() <= SAME_PLACE && to.shape(side)[j].abs() <= SAME_PLACE;
             }
         }
-        found |= is_on == [true; 2] && !(only_outer && from.is_inner);
+        found |= is_on == [true; 2] && edges.contain(from);
     }
     found
 }
 
-/// Adds the contributions of the edges on the borders of both triangles: `all`, or without those between triangles of one facet, which
-/// cancel in the sum over its triangles.
+/// Adds the contributions of the edges on the borders of both triangles; those between triangles of one facet cancel in the sum over its
+/// triangles.
 #[inline(always)]
-fn edges_into(polygon: &Polygon<f64>, all: bool, slopes: &mut [Slopes; 3]) {
+fn edges_into(polygon: &Polygon<f64>, edges: Edges, slopes: &mut [Slopes; 3]) {
     let vertices = polygon.vertices();
     for (k, from) in vertices.iter().enumerate() {
-        if from.is_inner && !all {
+        if !edges.contain(from) {
             continue;
         }
         let to = &vertices[if k + 1 == vertices.len() { 0 } else { k + 1 }];
@@ -240,13 +257,13 @@ impl Kernel for MortarWeights<'_> {
         let mut sums = Sums { values: [[0.0; POINTS]; CORNERS + 1], slopes: [[[[0.0; POINTS]; 2]; POINTS]; CORNERS + 1] };
         let mut has_coinciding = false;
         for polygon in self.polygons {
-            has_coinciding |= coincides(polygon, true);
+            has_coinciding |= coincides(polygon, Edges::Outer);
         }
         for polygon in self.polygons {
-            if has_coinciding && coincides(polygon, false) {
+            if has_coinciding && coincides(polygon, Edges::All) {
                 sums.add_clipped(self.view, polygon);
             } else {
-                sums.add(self.view, polygon, has_coinciding);
+                sums.add(self.view, polygon, if has_coinciding { Edges::All } else { Edges::Outer });
             }
         }
         let mut weights = [[OfNodes::from(0.0); NODES]; CORNERS];

@@ -2,9 +2,8 @@
 //!
 //! Arithmetic entry by entry is not here: its operators belong to the language (`language/elementwise.rs`).
 
-use rhai::{Array, Dynamic, EvalAltResult};
+use rhai::EvalAltResult;
 
-use crate::math::catalogue::Interval;
 use crate::script::language::limits::MAX_ARRAY;
 use crate::script::language::prelude::*;
 use crate::script::language::values::{as_number, describe};
@@ -58,23 +57,19 @@ fn sum(values: &Array) -> Dynamic {
 }
 
 fn of_numbers(name: &'static str, summary: &'static str, compute: fn(&Array) -> Option<Dynamic>) -> Function {
-    Function {
-        name,
-        form: Form::Function,
-        topic: Topic::Arrays,
-        summary,
-        parameters: vec![Parameter::new("values", Kind::Array, "the numbers")],
-        returns: "number",
-        example: format!("print({name}([3, 1.5, 2]));").into(),
-        see_also: &["max", "min", "sum", "mean", "linspace"],
-        body: body(move |call| {
+    function(Topic::Arrays, name)
+        .summary(summary)
+        .parameters(vec![Parameter::array("values", "the numbers")])
+        .returns("number")
+        .see_also(&["max", "min", "sum", "mean", "linspace"])
+        .example(format!("print({name}([3, 1.5, 2]));"))
+        .body(move |call| {
             let values = numbers_of(call, "values")?;
             compute(&values).ok_or_else(|| {
-                let failure = call.argument("values").fail(format!("an empty array has no `{name}`")).code(causes::NO_SUCH);
+                let failure = call.argument("values").refuse(causes::NO_SUCH, format!("an empty array has no `{name}`"));
                 failure.hint("check `values.is_empty()` first").into()
             })
-        }),
-    }
+        })
 }
 
 /// Returns the numbers of an argument; infinities and NaN are allowed, since results can have these.
@@ -85,27 +80,24 @@ pub(super) fn numbers_of(call: &Call, name: &str) -> Result<Array, Box<EvalAltRe
         None => Ok(values),
         Some(other) => {
             let given = describe(call.engine(), other);
-            let failure = argument.fail(format!("{} must be an array of numbers", argument.title())).code(causes::WRONG_TYPE);
+            let failure = argument.wrong(causes::WRONG_TYPE, "must be an array of numbers");
             Err(failure.label(format!("this contains {given}")).hint("`values.map(|v| …)` makes numbers of the entries").into())
         }
     }
 }
 
 fn linspace() -> Function {
-    Function {
-        name: "linspace",
-        form: Form::Function,
-        topic: Topic::Arrays,
-        summary: "numbers at equal distances between a first and a last one",
-        parameters: vec![
+    function(Topic::Arrays, "linspace")
+        .summary("numbers at equal distances between a first and a last one")
+        .parameters(vec![
             Parameter::number("first", "any", Interval::Finite, "the first number"),
             Parameter::number("last", "any", Interval::Finite, "the last number"),
-            Parameter::new("count", Kind::Integer, "how many, both ends among them").within(Interval::Closed(2.0, MAX_ARRAY as f64)),
-        ],
-        returns: "Array",
-        example: "for t in linspace(0.0, 1.0, 5) { print(t); }".into(),
-        see_also: &["sum", "mean"],
-        body: body(|call| {
+            Parameter::integer("count", "how many, both ends among them").within(Interval::Closed(2.0, MAX_ARRAY as f64)),
+        ])
+        .returns("Array")
+        .see_also(&["sum", "mean"])
+        .example("for t in linspace(0.0, 1.0, 5) { print(t); }")
+        .body(|call| {
             let (first, last, count) = (call.number("first")?, call.number("last")?, call.integer("count")?);
             let number = |place: i64| {
                 let share = place as f64 / (count - 1) as f64;
@@ -113,6 +105,5 @@ fn linspace() -> Function {
                 Dynamic::from(first * (1.0 - share) + last * share)
             };
             Ok((0..count).map(number).collect::<Array>().into())
-        }),
-    }
+        })
 }

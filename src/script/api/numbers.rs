@@ -2,9 +2,8 @@
 //!
 //! The engine does not convert `2` to `2.0` for its own functions, so that `sqrt(2)` would fail; the functions here accept both.
 
-use rhai::{Array, Dynamic, ImmutableString};
+use rhai::ImmutableString;
 
-use crate::math::catalogue::Interval;
 use crate::script::language::digits::significant;
 use crate::script::language::prelude::*;
 use crate::script::language::values::{as_number, describe};
@@ -13,20 +12,15 @@ use crate::script::language::values::{as_number, describe};
 const MAX_DEPTH: usize = 8;
 
 fn of_number(name: &'static str, summary: &'static str, compute: fn(f64) -> f64) -> Function {
-    Function {
-        name,
-        form: Form::Function,
-        topic: Topic::Numbers,
-        summary,
-        parameters: vec![Parameter::number("x", "any", Interval::Finite, "a number, or an array of numbers entry by entry")],
-        returns: "number",
-        example: format!("print({name}(1));\nprint({name}([1, 0.5]));").into(),
-        see_also: &[],
-        body: body(move |call| {
+    function(Topic::Numbers, name)
+        .summary(summary)
+        .parameters(vec![Parameter::number("x", "any", Interval::Finite, "a number, or an array of numbers entry by entry")])
+        .returns("number")
+        .example(format!("print({name}(1));\nprint({name}([1, 0.5]));"))
+        .body(move |call| {
             let argument = call.argument("x");
             Ok(entrywise(&argument, compute)?)
-        }),
-    }
+        })
 }
 
 /// Applies a function to a number, or to each entry of an array of numbers.
@@ -42,7 +36,7 @@ pub(super) fn entrywise(argument: &Argument, compute: impl Fn(f64) -> f64) -> Re
 /// Applies a function of numbers to all entries of an array, including nested arrays.
 fn each(argument: &Argument, value: &Dynamic, of: &dyn Fn(&Dynamic) -> Option<Dynamic>, depth: usize) -> Result<Dynamic, Failure> {
     let Some(entries) = value.read_lock::<Array>().filter(|_| depth < MAX_DEPTH) else {
-        let failure = argument.fail(format!("{} must be a number or an array of numbers", argument.title())).code(causes::WRONG_TYPE);
+        let failure = argument.wrong(causes::WRONG_TYPE, "must be a number or an array of numbers");
         let failure = failure.label(format!("this contains {}", describe(argument.call().engine(), value)));
         return Err(failure.hint("`values.map(|v| …)` makes numbers of the entries"));
     };
@@ -59,16 +53,13 @@ fn abs() -> Function {
         Some(whole) => Some(whole.into()),
         None => as_number(value).map(|x| x.abs().into()),
     };
-    Function {
-        name: "abs",
-        form: Form::Function,
-        topic: Topic::Numbers,
-        summary: "the size of a number without its sign",
-        parameters: vec![Parameter::number("x", "any", Interval::Finite, "a number, or an array of numbers entry by entry")],
-        returns: "number",
-        example: "print(abs(-1.5));\nprint(abs([-1, 2.5]));".into(),
-        see_also: &["max", "min"],
-        body: body(move |call| {
+    function(Topic::Numbers, "abs")
+        .summary("the size of a number without its sign")
+        .parameters(vec![Parameter::number("x", "any", Interval::Finite, "a number, or an array of numbers entry by entry")])
+        .returns("number")
+        .see_also(&["max", "min"])
+        .example("print(abs(-1.5));\nprint(abs([-1, 2.5]));")
+        .body(move |call| {
             let argument = call.argument("x");
             let value = argument.value();
             if value.is_array() {
@@ -76,28 +67,23 @@ fn abs() -> Function {
             }
             argument.number()?;
             Ok(size(&value).unwrap_or_default())
-        }),
-    }
+        })
 }
 
 fn of_two(name: &'static str, summary: &'static str, names: [&'static str; 2], compute: fn(f64, f64) -> f64) -> Function {
-    Function {
-        name,
-        form: Form::Function,
-        topic: Topic::Numbers,
-        summary,
-        parameters: names
-            .map(|name| Parameter::number(name, "any", Interval::Finite, "a number, or an array of numbers entry by entry"))
-            .into(),
-        returns: "number",
-        example: format!("print({name}(1, 2));\nprint({name}([1, 3], 2));").into(),
-        see_also: &[],
-        body: body(move |call| {
+    function(Topic::Numbers, name)
+        .summary(summary)
+        .parameters(
+            names.map(|name| Parameter::number(name, "any", Interval::Finite, "a number, or an array of numbers entry by entry")).into(),
+        )
+        .returns("number")
+        .example(format!("print({name}(1, 2));\nprint({name}([1, 3], 2));"))
+        .body(move |call| {
             let [a, b] = names.map(|name| call.argument(name));
             match [a.value(), b.value()].map(|value| value.into_array().ok()) {
                 [None, None] => Ok(Dynamic::from(compute(a.number()?, b.number()?))),
                 [Some(x), Some(y)] if x.len() != y.len() => {
-                    let failure = b.fail(format!("{} works entry by entry", call.function.title())).code(causes::WRONG_TYPE);
+                    let failure = b.refuse(causes::WRONG_TYPE, format!("{} works entry by entry", call.function.title()));
                     Err(failure
                         .cause(format!("the arrays have {} and {} entries", x.len(), y.len()))
                         .hint("give arrays of one length")
@@ -116,14 +102,13 @@ fn of_two(name: &'static str, summary: &'static str, names: [&'static str; 2], c
                     Ok(y.iter().map(|y| Ok(compute(x, entry_of(&b, y)?).into())).collect::<Result<Array, Failure>>()?.into())
                 }
             }
-        }),
-    }
+        })
 }
 
 /// Number in an array.
 fn entry_of(argument: &Argument, value: &Dynamic) -> Result<f64, Failure> {
     as_number(value).ok_or_else(|| {
-        let failure = argument.fail(format!("{} must be a number or an array of numbers", argument.title())).code(causes::WRONG_TYPE);
+        let failure = argument.wrong(causes::WRONG_TYPE, "must be a number or an array of numbers");
         failure.label(format!("this contains {}", describe(argument.call().engine(), value)))
     })
 }
@@ -151,24 +136,19 @@ pub fn functions() -> Vec<Function> {
         abs(),
         of_two("hypot", "the length of the vector (x, y)", ["x", "y"], f64::hypot),
         of_two("atan", "the angle of the vector (x, y), with its quadrant: `atan(y, x)`", ["y", "x"], f64::atan2),
-        Function {
-            name: "fmt",
-            form: Form::Function,
-            topic: Topic::Numbers,
-            summary: "a number as text with a given number of significant digits",
-            parameters: vec![
+        function(Topic::Numbers, "fmt")
+            .summary("a number as text with a given number of significant digits")
+            .parameters(vec![
                 Parameter::number("x", "any", Interval::Finite, "the number"),
-                Parameter::new("digits", Kind::Integer, "significant digits").within(Interval::Closed(1.0, 17.0)).or(Absent::Integer(6)),
-            ],
-            returns: "String",
-            example: "print(fmt(2.0 / 3.0, 3)); // 0.667".into(),
-            see_also: &[],
-            body: body(|call| {
+                Parameter::integer("digits", "significant digits").within(Interval::Closed(1.0, 17.0)).or(6),
+            ])
+            .returns("String")
+            .example("print(fmt(2.0 / 3.0, 3)); // 0.667")
+            .body(|call| {
                 let argument = call.argument("x");
                 let x = as_number(&argument.value()).ok_or_else(|| argument.wrong_type())?;
                 let digits = call.integer("digits")?;
                 Ok(Dynamic::from(ImmutableString::from(significant(x, digits as usize))))
             }),
-        },
     ]
 }

@@ -6,7 +6,7 @@
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 
-use rhai::{Dynamic, Engine};
+use rhai::Engine;
 
 use crate::script::api::files::results::unit_of;
 use crate::script::language::prelude::*;
@@ -198,40 +198,36 @@ fn parsed(text: &str, default: &Dynamic) -> Option<Dynamic> {
 
 /// Script functions of this topic.
 pub fn functions() -> Vec<Function> {
-    vec![Function {
-        name: "param",
-        form: Form::Function,
-        topic: Topic::Parameters,
-        summary: "the value that `--set name=value` gives on the command line, or else the default",
-        parameters: vec![
-            Parameter::new("name", Kind::Text, "the parameter's name"),
-            Parameter::new("default", Kind::Any, "its value when the command line gives none: a number, `true` or `false`, or a string"),
-            Parameter::new(
-                "unit",
-                Kind::Text,
-                "its unit, such as `\"N/mm\"`, or its dimension, such as `\"force / length\"`, whose unit is that of `units`: reports, and \
-                 tables and pages of studies name it",
-            )
-            .or(Absent::Means("no unit is named")),
-        ],
-        returns: "any",
-        example: "let dt = param(\"dt\", 0.005);\nlet stiffness = param(\"stiffness\", 200.0, \"N/mm\");".into(),
-        see_also: &["result", "units"],
-        body: body(|call| {
-            let (name, default) = (call.name("name")?, call.argument("default"));
-            let value = default.value();
-            if as_number(&value).is_none() && !value.is_bool() && !value.is_string() {
-                return Err(default
-                    .fail("`default` of `param` must be a number, `true` or `false`, or a string")
-                    .code(causes::WRONG_TYPE)
-                    .label(format!("this is {}", describe(call.engine(), &value)))
-                    .hint("give the value that the parameter has without `--set`")
-                    .into());
-            }
-            call.host.slots.get::<ParameterUnits>().note(&name, unit_of(call)?);
-            Ok(call.host.slots.get::<Overrides>().value(&name, value)?)
-        }),
-    }]
+    vec![
+        function(Topic::Parameters, "param")
+            .summary("the value that `--set name=value` gives on the command line, or else the default")
+            .parameters(vec![
+                Parameter::text("name", "the parameter's name"),
+                Parameter::any("default", "its value when the command line gives none: a number, `true` or `false`, or a string"),
+                Parameter::text(
+                    "unit",
+                    "its unit, such as `\"N/mm\"`, or its dimension, such as `\"force / length\"`, whose unit is that of `units`: \
+                 reports, and tables and pages of studies name it",
+                )
+                .otherwise("no unit is named"),
+            ])
+            .returns("any")
+            .see_also(&["result", "units"])
+            .example("let dt = param(\"dt\", 0.005);\nlet stiffness = param(\"stiffness\", 200.0, \"N/mm\");")
+            .body(|call| {
+                let (name, default) = (call.name("name")?, call.argument("default"));
+                let value = default.value();
+                if as_number(&value).is_none() && !value.is_bool() && !value.is_string() {
+                    return Err(default
+                        .refuse(causes::WRONG_TYPE, "`default` of `param` must be a number, `true` or `false`, or a string")
+                        .label(format!("this is {}", describe(call.engine(), &value)))
+                        .hint("give the value that the parameter has without `--set`")
+                        .into());
+                }
+                call.host.slots.get::<ParameterUnits>().note(&name, unit_of(call)?);
+                Ok(call.host.slots.get::<Overrides>().value(&name, value)?)
+            }),
+    ]
 }
 
 #[cfg(test)]

@@ -1,9 +1,8 @@
 //! Curves as arrays of numbers: places of extremes, differences, sums, integrals, interpolation, percentiles, spectra and filters.
 
-use rhai::{Array, Dynamic, EvalAltResult, Map};
+use rhai::EvalAltResult;
 
 use super::arrays::{numbers, numbers_of};
-use crate::math::catalogue::Interval;
 use crate::math::signals::{channel_filter, fourier, interpolated, percentile};
 use crate::script::language::digits::{brief, number_text};
 use crate::script::language::prelude::*;
@@ -24,18 +23,14 @@ fn of_array(
     example: &'static str,
     compute: impl Fn(&Call, Array) -> Value + 'static,
 ) -> Function {
-    let values = Parameter::new("values", Kind::Array, "the numbers");
-    Function {
-        name,
-        form: Form::Function,
-        topic: Topic::Arrays,
-        summary,
-        parameters: [values].into_iter().chain(further).collect(),
-        returns,
-        example: example.into(),
-        see_also: &["max", "diff", "cumsum", "integrate", "interpolate", "percentile", "fft", "cfc_filter"],
-        body: body(move |call| compute(call, numbers_of(call, "values")?)),
-    }
+    let values = Parameter::array("values", "the numbers");
+    function(Topic::Arrays, name)
+        .summary(summary)
+        .parameters([values].into_iter().chain(further).collect())
+        .returns(returns)
+        .see_also(&["max", "diff", "cumsum", "integrate", "interpolate", "percentile", "fft", "cfc_filter"])
+        .example(example)
+        .body(move |call| compute(call, numbers_of(call, "values")?))
 }
 
 /// Argument that is an array of numbers.
@@ -45,7 +40,7 @@ fn array(call: &Call, name: &str) -> Result<Vec<f64>, Box<EvalAltResult>> {
 
 /// The failure of an array that is too short.
 fn too_short(call: &Call, least: &str) -> Box<EvalAltResult> {
-    call.argument("values").fail(format!("{} needs {least}", call.function.title())).code(causes::COUNT).into()
+    call.argument("values").refuse(causes::COUNT, format!("{} needs {least}", call.function.title())).into()
 }
 
 fn array_of(values: impl IntoIterator<Item = f64>) -> Array {
@@ -112,35 +107,34 @@ fn same_length(call: &Call, values: &[f64], x: &[f64]) -> Result<(), Box<EvalAlt
     if values.len() == x.len() {
         return Ok(());
     }
-    let failure = call.argument("x").fail(format!("`values` and `x` have {} and {} entries", values.len(), x.len())).code(causes::COUNT);
+    let failure = call.argument("x").refuse(causes::COUNT, format!("`values` and `x` have {} and {} entries", values.len(), x.len()));
     Err(failure.hint("give one place for each value").into())
 }
 
 fn interpolate() -> Function {
-    Function {
-        name: "interpolate",
-        form: Form::Function,
-        topic: Topic::Arrays,
-        summary: "the value of a curve at a place or at an array of places, linear between its points; beyond its ends it stays as it is \
-                  there",
-        parameters: vec![
+    function(Topic::Arrays, "interpolate")
+        .summary(
+            "the value of a curve at a place or at an array of places, linear between its points; beyond its ends it stays as it is there",
+        )
+        .parameters(vec![
             Parameter::new("at", Kind::Either("a number or an array of numbers"), "where"),
-            Parameter::new("x", Kind::Array, "the places of the points, ascending"),
-            Parameter::new("y", Kind::Array, "their values"),
-        ],
-        returns: "number",
-        example: "let t = [0.0, 1.0, 3.0];\nlet force = [0.0, 2.0, 6.0];\nprint(interpolate(2.0, t, force));\n\
-                  print(interpolate([0.5, 1.5], t, force));"
-            .into(),
-        see_also: &["integrate", "diff", "table"],
-        body: body(|call| {
+            Parameter::array("x", "the places of the points, ascending"),
+            Parameter::array("y", "their values"),
+        ])
+        .returns("number")
+        .see_also(&["integrate", "diff", "table"])
+        .example(
+            "let t = [0.0, 1.0, 3.0];\nlet force = [0.0, 2.0, 6.0];\nprint(interpolate(2.0, t, force));\n\
+                  print(interpolate([0.5, 1.5], t, force));",
+        )
+        .body(|call| {
             let (x, y, at) = (array(call, "x")?, array(call, "y")?, call.argument("at"));
             if x.len() != y.len() || x.is_empty() {
-                let failure = call.argument("y").fail(format!("`x` and `y` have {} and {} entries", x.len(), y.len())).code(causes::COUNT);
+                let failure = call.argument("y").refuse(causes::COUNT, format!("`x` and `y` have {} and {} entries", x.len(), y.len()));
                 return Err(failure.hint("give one `y` for each `x`, and at least one point").into());
             }
             if let Some(ends) = x.windows(2).find(|ends| ends[0].partial_cmp(&ends[1]) != Some(std::cmp::Ordering::Less)) {
-                let failure = call.argument("x").fail("the places `x` of a curve must increase").code(causes::ORDER);
+                let failure = call.argument("x").refuse(causes::ORDER, "the places `x` of a curve must increase");
                 let failure = failure.label(format!("{} follows {}", number_text(ends[1]), number_text(ends[0])));
                 return Err(failure.hint("sort the points, and give each `x` once").into());
             }
@@ -149,8 +143,7 @@ fn interpolate() -> Function {
                 None if at.value().is_array() => Ok(array_of(array(call, "at")?.into_iter().map(|at| interpolated(at, &x, &y))).into()),
                 None => Err(at.wrong_type().into()),
             }
-        }),
-    }
+        })
 }
 
 fn percentiles() -> Function {
@@ -182,7 +175,7 @@ fn fft() -> Function {
         "the spectrum of values at equal distances of time, by the discrete Fourier transform: an object with `frequency`, from 0 to half \
          of that of the values, `amplitude` of the oscillation of each frequency, its `phase` as a cosine, and `real` and `imaginary` part \
          of the transform. Of any length",
-        vec![step_parameter().or(Absent::Number(1.0))],
+        vec![step_parameter().or(1.0)],
         "Map",
         "let t = linspace(0.0, 0.99, 100);\nlet spectrum = fft(3.0 * sin(2.0 * PI * 5.0 * t), 0.01);\n\
          let peak = argmax(spectrum.amplitude);\nprint(`${spectrum.frequency[peak]}: ${spectrum.amplitude[peak]}`);",
@@ -219,7 +212,7 @@ fn cfc_filter() -> Function {
             let (values, dt, class): (Vec<f64>, f64, f64) = (numbers(&values).collect(), call.number("dt")?, call.number("class")?);
             let failure =
                 if class * dt > HIGHEST {
-                    let failure = call.argument("class").fail("the values are too far apart for this class").code(causes::OUT_OF_RANGE);
+                    let failure = call.argument("class").refuse(causes::OUT_OF_RANGE, "the values are too far apart for this class");
                     Some(failure.cause(format!(
                         "SAE J211 asks for ten values in a period of the class: a `dt` of at most {} s",
                         brief(0.1 / class)
@@ -228,7 +221,7 @@ fn cfc_filter() -> Function {
                     values
                         .iter()
                         .any(|x| !x.is_finite())
-                        .then(|| call.argument("values").fail("a filter needs finite numbers").code(causes::OUT_OF_RANGE))
+                        .then(|| call.argument("values").refuse(causes::OUT_OF_RANGE, "a filter needs finite numbers"))
                 };
             match failure {
                 Some(failure) => Err(failure.hint("give `dt` in seconds, and values at each step").into()),

@@ -4,10 +4,9 @@ use std::rc::Rc;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use rhai::{Dynamic, FnPtr};
+use rhai::FnPtr;
 
 use crate::dynamics::{Amplitude, BodyField, Constant, Hat, PlaceFunction, Ramp, Sine, Table, TimeFunction, TimeFunctionError};
-use crate::math::catalogue::Interval;
 use crate::script::language::callback::Callback;
 use crate::script::language::digits::{number_text, vector_text};
 use crate::script::language::failure::ScriptError;
@@ -251,7 +250,7 @@ fn window_of(call: &Call) -> Result<(f64, f64), Failure> {
     if start < end {
         return Ok((start, end));
     }
-    let failure = call.argument("end").fail(format!("{} must be greater than `start`", call.argument("end").title())).code(causes::ORDER);
+    let failure = call.argument("end").refuse(causes::ORDER, format!("{} must be greater than `start`", call.argument("end").title()));
     Err(failure
         .label(format!("this is {}", number_text(end)))
         .cause(format!("`start` is {}", number_text(start)))
@@ -260,87 +259,71 @@ fn window_of(call: &Call) -> Result<(f64, f64), Failure> {
 
 fn hat() -> Function {
     let [start, end] = window();
-    Function {
-        name: "hat",
-        form: Form::Function,
-        topic: Topic::TimeFunctions,
-        summary: "zero, up to `peak` in the middle between `start` and `end`, and back to zero, linearly",
-        parameters: vec![start, end, Parameter::number("peak", "any", Interval::Finite, "the largest value")],
-        returns: TimeFunctionHandle::NAME,
-        example: "let spin_up = hat(0.0, 0.5, 0.1);".into(),
-        see_also: &["ramp", "sine", "table"],
-        body: body(|call| {
+    function(Topic::TimeFunctions, "hat")
+        .summary("zero, up to `peak` in the middle between `start` and `end`, and back to zero, linearly")
+        .parameters(vec![start, end, Parameter::number("peak", "any", Interval::Finite, "the largest value")])
+        .returns(TimeFunctionHandle::NAME)
+        .see_also(&["ramp", "sine", "table"])
+        .example("let spin_up = hat(0.0, 0.5, 0.1);")
+        .body(|call| {
             let (start, end) = window_of(call)?;
             Ok(Dynamic::from(TimeFunctionHandle(Arc::new(Hat { start, end, peak: call.number("peak")? }))))
-        }),
-    }
+        })
 }
 
 fn ramp() -> Function {
     let [start, end] = window();
-    Function {
-        name: "ramp",
-        form: Form::Function,
-        topic: Topic::TimeFunctions,
-        summary: "zero until `start`, linear to `value` at `end`, constant afterwards",
-        parameters: vec![start, end, Parameter::number("value", "any", Interval::Finite, "the final value")],
-        returns: TimeFunctionHandle::NAME,
-        example: "let push = ramp(0.0, 1.0, 50.0);".into(),
-        see_also: &["hat", "sine", "table"],
-        body: body(|call| {
+    function(Topic::TimeFunctions, "ramp")
+        .summary("zero until `start`, linear to `value` at `end`, constant afterwards")
+        .parameters(vec![start, end, Parameter::number("value", "any", Interval::Finite, "the final value")])
+        .returns(TimeFunctionHandle::NAME)
+        .see_also(&["hat", "sine", "table"])
+        .example("let push = ramp(0.0, 1.0, 50.0);")
+        .body(|call| {
             let (start, end) = window_of(call)?;
             Ok(Dynamic::from(TimeFunctionHandle(Arc::new(Ramp { start, end, value: call.number("value")? }))))
-        }),
-    }
+        })
 }
 
 fn sine() -> Function {
-    Function {
-        name: "sine",
-        form: Form::Function,
-        topic: Topic::TimeFunctions,
-        summary: "`amplitude * sin(2 pi frequency t)`",
-        parameters: vec![
+    function(Topic::TimeFunctions, "sine")
+        .summary("`amplitude * sin(2 pi frequency t)`")
+        .parameters(vec![
             Parameter::number("amplitude", "any", Interval::Finite, "the largest value"),
             Parameter::number("frequency", "1/time", Interval::Finite, "cycles per time"),
-        ],
-        returns: TimeFunctionHandle::NAME,
-        example: "let shake = sine(2.0, 5.0);".into(),
-        see_also: &["hat", "ramp", "table"],
-        body: body(|call| {
+        ])
+        .returns(TimeFunctionHandle::NAME)
+        .see_also(&["hat", "ramp", "table"])
+        .example("let shake = sine(2.0, 5.0);")
+        .body(|call| {
             let (amplitude, frequency) = (call.number("amplitude")?, call.number("frequency")?);
             Ok(Dynamic::from(TimeFunctionHandle(Arc::new(Sine { amplitude, frequency }))))
-        }),
-    }
+        })
 }
 
 fn table() -> Function {
-    Function {
-        name: "table",
-        form: Form::Function,
-        topic: Topic::TimeFunctions,
-        summary: "linear between given points `[time, value]`, constant before the first and after the last; times and values may be two \
-                  arrays, such as columns of a measured record that `read_csv` gives",
-        parameters: vec![
-            Parameter::new("points", Kind::Array, "an array of `[time, value]` pairs with increasing times, or the times"),
-            Parameter::new("values", Kind::Array, "the values at the times").or(Absent::Means("`points` are pairs")),
-        ],
-        returns: TimeFunctionHandle::NAME,
-        example: "let history = table([[0.0, 0.0], [0.1, 5.0], [0.4, 1.0]]);\nlet same = table([0.0, 0.1, 0.4], [0.0, 5.0, 1.0]);".into(),
-        see_also: &["hat", "ramp", "sine", "read_csv"],
-        body: body(|call| {
+    function(Topic::TimeFunctions, "table")
+        .summary(
+            "linear between given points `[time, value]`, constant before the first and after the last; times and values may be two \
+             arrays, such as columns of a measured record that `read_csv` gives",
+        )
+        .parameters(vec![
+            Parameter::array("points", "an array of `[time, value]` pairs with increasing times, or the times"),
+            Parameter::array("values", "the values at the times").otherwise("`points` are pairs"),
+        ])
+        .returns(TimeFunctionHandle::NAME)
+        .see_also(&["hat", "ramp", "sine", "read_csv"])
+        .example("let history = table([[0.0, 0.0], [0.1, 5.0], [0.4, 1.0]]);\nlet same = table([0.0, 0.1, 0.4], [0.0, 5.0, 1.0]);")
+        .body(|call| {
             let (argument, values) = (call.argument("points"), call.argument("values"));
             let points = if values.is_given() { pairs_of(&argument, &values)? } else { points_of(&argument, ["time", "value"])? };
             match Table::new(points) {
                 Some(table) => Ok(Dynamic::from(TimeFunctionHandle(Arc::new(table)))),
-                None => Err(argument
-                    .fail("`table` needs at least one point")
-                    .code(causes::COUNT)
-                    .hint("write `[[0.0, 0.0], [1.0, 5.0]]`")
-                    .into()),
+                None => {
+                    Err(argument.refuse(causes::COUNT, "`table` needs at least one point").hint("write `[[0.0, 0.0], [1.0, 5.0]]`").into())
+                }
             }
-        }),
-    }
+        })
 }
 
 /// Returns points in ascending order from an array of pairs; `first` and `second` name the numbers.
@@ -354,7 +337,7 @@ pub fn points_of(argument: &Argument, [first, second]: [&str; 2]) -> Result<Vec<
             _ => {
                 let given = describe(argument.call().engine(), &entry);
                 let failure =
-                    argument.fail(format!("every point of `{function}` must be a pair `[{first}, {second}]`")).code(causes::WRONG_TYPE);
+                    argument.refuse(causes::WRONG_TYPE, format!("every point of `{function}` must be a pair `[{first}, {second}]`"));
                 return Err(failure.label(format!("this contains {given}")).hint("write `[[0.0, 0.0], [1.0, 5.0]]`"));
             }
         }
@@ -366,7 +349,7 @@ pub fn points_of(argument: &Argument, [first, second]: [&str; 2]) -> Result<Vec<
 fn pairs_of(times: &Argument, values: &Argument) -> Result<Vec<(f64, f64)>, Failure> {
     let numbers = |argument: &Argument| {
         let wrong = |entry: &Dynamic| {
-            let failure = argument.fail(format!("every entry of {} must be a finite number", argument.title())).code(causes::OUT_OF_RANGE);
+            let failure = argument.refuse(causes::OUT_OF_RANGE, format!("every entry of {} must be a finite number", argument.title()));
             let failure = failure.label(format!("this contains {}", describe(argument.call().engine(), entry)));
             failure.hint("leave out lines without a value: `NaN` is what an empty field of a file gives")
         };
@@ -375,7 +358,7 @@ fn pairs_of(times: &Argument, values: &Argument) -> Result<Vec<(f64, f64)>, Fail
     };
     let (at, of) = (numbers(times)?, numbers(values)?);
     if at.len() != of.len() {
-        let failure = values.fail(format!("there are {} times and {} values", at.len(), of.len())).code(causes::COUNT);
+        let failure = values.refuse(causes::COUNT, format!("there are {} times and {} values", at.len(), of.len()));
         return Err(failure.hint("give a value for each time: two columns of one file"));
     }
     increasing(times, at.into_iter().zip(of).collect(), "time")
@@ -385,8 +368,7 @@ fn pairs_of(times: &Argument, values: &Argument) -> Result<Vec<(f64, f64)>, Fail
 fn increasing(argument: &Argument, points: Vec<(f64, f64)>, first: &str) -> Result<Vec<(f64, f64)>, Failure> {
     match points.windows(2).find(|pair| pair[0].0 >= pair[1].0) {
         Some(pair) => Err(argument
-            .fail(format!("the {first}s of `{}` must increase", argument.call().function.name))
-            .code(causes::ORDER)
+            .refuse(causes::ORDER, format!("the {first}s of `{}` must increase", argument.call().function.name))
             .label(format!("{} comes after {}", number_text(pair[1].0), number_text(pair[0].0)))
             .hint(format!("sort the points; a jump needs two {first}s close to each other"))),
         None => Ok(points),
@@ -394,19 +376,15 @@ fn increasing(argument: &Argument, points: Vec<(f64, f64)>, first: &str) -> Resu
 }
 
 fn value() -> Function {
-    Function {
-        name: "value",
-        form: Form::Method(TimeFunctionHandle::receiver()),
-        topic: Topic::TimeFunctions,
-        summary: "the value of a time function at a time",
-        parameters: vec![Parameter::number("time", "time", Interval::Finite, "the time")],
-        returns: "number",
-        example: "print(hat(0.0, 1.0, 8.0).value(0.25)); // 4.0".into(),
-        see_also: &["hat", "ramp", "sine", "table"],
-        body: body(|call| {
+    method_of::<TimeFunctionHandle>(Topic::TimeFunctions, "value")
+        .summary("the value of a time function at a time")
+        .parameters(vec![Parameter::number("time", "time", Interval::Finite, "the time")])
+        .returns("number")
+        .see_also(&["hat", "ramp", "sine", "table"])
+        .example("print(hat(0.0, 1.0, 8.0).value(0.25)); // 4.0")
+        .body(|call, time_function| {
             let time = call.number("time")?;
-            let value = call.receiver::<TimeFunctionHandle>().0.value(time);
+            let value = time_function.0.value(time);
             value.map(Dynamic::from).map_err(|error| call.fail(error.to_string()).into())
-        }),
-    }
+        })
 }

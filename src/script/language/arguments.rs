@@ -28,8 +28,7 @@ pub trait Arguments {
 
     /// Returns a number, if given.
     fn optional_number(&self, name: &str) -> Result<Option<f64>, Failure> {
-        let argument = self.argument(name);
-        if argument.is_given() { argument.number().map(Some) } else { Ok(None) }
+        self.argument(name).given(Argument::number)
     }
 
     /// Returns a whole number (or its default).
@@ -165,6 +164,14 @@ impl Argument<'_> {
         self.value.is_some()
     }
 
+    /// Reads the argument, if the script has given it.
+    ///
+    /// # Errors
+    /// Errors of `read`.
+    pub fn given<T>(&self, read: impl FnOnce(&Self) -> Result<T, Failure>) -> Result<Option<T>, Failure> {
+        self.is_given().then(|| read(self)).transpose()
+    }
+
     /// Returns the value as given.
     pub fn value(&self) -> Dynamic {
         self.value.clone().unwrap_or_default()
@@ -185,6 +192,16 @@ impl Argument<'_> {
         self.call.fail(title).at(self.target.clone())
     }
 
+    /// Failure that points at this argument, with a stable code of [`causes`].
+    pub fn refuse(&self, code: &'static str, title: impl Into<String>) -> Failure {
+        self.fail(title).code(code)
+    }
+
+    /// Failure that points at this argument, with a title of the argument's [`Self::title`] and `requirement`, such as "must ascend".
+    pub fn wrong(&self, code: &'static str, requirement: impl std::fmt::Display) -> Failure {
+        self.refuse(code, format!("{} {requirement}", self.title()))
+    }
+
     /// Place of the argument in the call.
     pub fn target(&self) -> Target {
         self.target.clone()
@@ -198,7 +215,7 @@ impl Argument<'_> {
     /// The failure of a value of the wrong type.
     pub fn wrong_type(&self) -> Failure {
         let given = self.value.as_ref().map_or("nothing".to_string(), |value| describe(self.call.engine(), value));
-        let failure = self.fail(format!("{} must be {}", self.title(), self.parameter.requirement())).code(causes::WRONG_TYPE);
+        let failure = self.wrong(causes::WRONG_TYPE, format!("must be {}", self.parameter.requirement()));
         let failure = failure.code(causes::WRONG_TYPE).label(format!("this is {given}"));
         let failure = failure.cause(format!("`{}` is {}", self.parameter.name, self.parameter.summary));
         match &self.parameter.kind {
@@ -221,8 +238,7 @@ impl Argument<'_> {
 
     /// Failure of a number outside the range of the parameter.
     pub fn out_of_range(&self, range: Interval, value: &str) -> Failure {
-        self.fail(format!("{} must be {}", self.title(), range))
-            .code(causes::OUT_OF_RANGE)
+        self.wrong(causes::OUT_OF_RANGE, format!("must be {}", range))
             .label(format!("this is {value}"))
             .cause(format!("`{}` is {}", self.parameter.name, self.parameter.summary))
             .hint(format!("give {}", self.parameter.requirement()))
@@ -230,7 +246,7 @@ impl Argument<'_> {
 
     /// Failure of a missing argument without a default.
     pub fn missing(&self) -> Failure {
-        self.call.fail(format!("{} is missing", self.title())).code(causes::MISSING).hint(format!("give {}", self.parameter.requirement()))
+        self.call.refuse(causes::MISSING, format!("{} is missing", self.title())).hint(format!("give {}", self.parameter.requirement()))
     }
 
     /// Returns a number in its range.
@@ -305,9 +321,8 @@ impl Argument<'_> {
     pub fn name(&self) -> Result<String, Failure> {
         let name = self.text()?;
         if name.contains(char::is_control) {
-            let failure = self.fail(format!("{} must be a name on one line", self.title())).code(causes::WRONG_TYPE);
-            let failure = failure.label("it has a line break or another control character");
-            return Err(failure.hint("write letters, digits, signs and blanks"));
+            let failure = self.wrong(causes::WRONG_TYPE, "must be a name on one line");
+            return Err(failure.label("it has a line break or another control character").hint("write letters, digits, signs and blanks"));
         }
         Ok(name)
     }
@@ -320,7 +335,7 @@ impl Argument<'_> {
     /// Returns the failure of an unknown name, with the known names and the nearest of these.
     pub fn unknown_name(&self, title: impl Into<String>, name: &str, known: &[impl AsRef<str>]) -> Failure {
         let quoted: Vec<String> = known.iter().map(|word| format!("\"{}\"", word.as_ref())).collect();
-        let failure = self.fail(title).code(causes::UNKNOWN_WORD).label("unknown name");
+        let failure = self.refuse(causes::UNKNOWN_WORD, title).label("unknown name");
         let failure = match quoted.len() {
             0 => failure.cause("there is none to choose from"),
             _ => failure.cause(format!("there {} {}", if quoted.len() == 1 { "is" } else { "are" }, joined(&quoted, "and"))),

@@ -28,12 +28,18 @@ impl Argument<'_> {
         if numbers.len() == count {
             return Ok(numbers);
         }
-        let failure = self
-            .fail(format!("{} must have {count} components", self.title()))
-            .code(causes::COUNT)
-            .label(format!("this has {}", numbers.len()));
+        let failure = self.wrong(causes::COUNT, format!("must have {count} components")).label(format!("this has {}", numbers.len()));
         let failure = failure.cause(format!("`{}` is {}", self.parameter.name, self.parameter.summary));
         Err(failure.hint(if count == 2 { "write `[x, y]`" } else { "write `[x, y, z]`" }))
+    }
+
+    /// An array of `N` finite numbers.
+    ///
+    /// # Errors
+    /// Not an array, not of that length, or not of finite numbers in range.
+    pub fn tuple<const N: usize>(&self) -> Result<[f64; N], Failure> {
+        let numbers = self.numbers_of(N)?;
+        Ok(std::array::from_fn(|i| numbers[i]))
     }
 
     /// An array of finite numbers, of any length.
@@ -46,14 +52,11 @@ impl Argument<'_> {
         let numbers = numbers.ok_or_else(|| {
             let wrong = array.iter().find(|value| as_number(value).is_none());
             let what = wrong.map_or(String::new(), |value| describe(self.call.engine(), value));
-            self.fail(format!("{} must be an array of numbers", self.title()))
-                .code(causes::WRONG_TYPE)
-                .label(format!("this contains {what}"))
+            self.wrong(causes::WRONG_TYPE, "must be an array of numbers").label(format!("this contains {what}"))
         })?;
         match numbers.iter().find(|number| !self.parameter.range.contains(**number)) {
             Some(wrong) => Err(self
-                .fail(format!("every entry of {} must be {}", self.title(), self.parameter.range))
-                .code(causes::OUT_OF_RANGE)
+                .refuse(causes::OUT_OF_RANGE, format!("every entry of {} must be {}", self.title(), self.parameter.range))
                 .label(format!("this contains {}", number_text(*wrong)))
                 .cause(format!("`{}` is {}", self.parameter.name, self.parameter.summary))),
             None => Ok(numbers),
@@ -77,7 +80,7 @@ impl Argument<'_> {
             let points = entry.read_lock::<Array>().map(|points| self.points_in(&points));
             let hint = "write `[[[0.2, 0.2], [0.4, 0.2], [0.3, 0.4]]]`: an array for each";
             points.unwrap_or_else(|| {
-                Err(self.fail(format!("every entry of {} must be an array of points", self.title())).code(causes::WRONG_TYPE).hint(hint))
+                Err(self.refuse(causes::WRONG_TYPE, format!("every entry of {} must be an array of points", self.title())).hint(hint))
             })
         };
         self.array()?.iter().map(list).collect()
@@ -96,42 +99,37 @@ impl Argument<'_> {
                 2 => ("[x, y]", "[[1.0, 0.0], [0.0, 0.0]]"),
                 _ => ("[x, y, z]", "[[0.0, 0.0, 0.0], [0.0, 0.0, 1.0]]"),
             };
-            let failure = self.fail(format!("every entry of {} must be a point `{form}`", self.title())).code(causes::WRONG_TYPE);
+            let failure = self.refuse(causes::WRONG_TYPE, format!("every entry of {} must be a point `{form}`", self.title()));
             failure.label(format!("this contains {given}")).hint(format!("write `{example}`"))
         })
     }
 
-    /// An array of `count` positive whole numbers.
+    /// An array of `N` positive whole numbers.
     ///
     /// # Errors
     /// Anything else.
-    pub fn counts(&self, count: usize) -> Result<Vec<usize>, Failure> {
+    pub fn counts<const N: usize>(&self) -> Result<[usize; N], Failure> {
         let array = self.array()?;
         let whole: Option<Vec<i64>> = array.iter().map(as_whole).collect();
         let whole = whole.ok_or_else(|| {
             let wrong = array.iter().find(|value| as_whole(value).is_none());
             let given = wrong.map_or(String::new(), |value| describe(self.call.engine(), value));
-            let failure = self
-                .fail(format!("{} must be an array of whole numbers", self.title()))
-                .code(causes::WRONG_TYPE)
-                .label(format!("this contains {given}"));
+            let failure = self.wrong(causes::WRONG_TYPE, "must be an array of whole numbers").label(format!("this contains {given}"));
             let failure = failure.cause(format!("`{}` is {}", self.parameter.name, self.parameter.summary));
             failure.hint("write whole numbers, such as `[10, 40]`; `x.to_int()` drops a fraction")
         })?;
-        if whole.len() != count {
+        let Ok(counts) = <[i64; N]>::try_from(&whole[..]) else {
             return Err(self
-                .fail(format!("{} must have {count} entries", self.title()))
-                .code(causes::COUNT)
+                .wrong(causes::COUNT, format!("must have {N} entries"))
                 .label(format!("this has {}", whole.len()))
                 .cause(format!("`{}` is {}", self.parameter.name, self.parameter.summary)));
-        }
+        };
         match whole.iter().find(|value| **value < 1) {
             Some(wrong) => Err(self
-                .fail(format!("every entry of {} must be 1 or greater", self.title()))
-                .code(causes::OUT_OF_RANGE)
+                .refuse(causes::OUT_OF_RANGE, format!("every entry of {} must be 1 or greater", self.title()))
                 .label(format!("this contains {wrong}"))
                 .cause(format!("`{}` is {}", self.parameter.name, self.parameter.summary))),
-            None => Ok(whole.into_iter().map(|value| value as usize).collect()),
+            None => Ok(counts.map(|value| value as usize)),
         }
     }
 

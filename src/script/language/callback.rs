@@ -143,7 +143,7 @@ impl Argument<'_> {
         if count == names || (wanted == "|x, y|" && count == names + 1) {
             return Ok(());
         }
-        let failure = self.fail(format!("the closure for {} must have {}", self.title(), parameters(names))).code(causes::CLOSURE);
+        let failure = self.refuse(causes::CLOSURE, format!("the closure for {} must have {}", self.title(), parameters(names)));
         Err(failure.label(format!("this one has {}", parameters(count))).hint(format!("write `{wanted} …`")))
     }
 }

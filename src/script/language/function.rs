@@ -1,8 +1,8 @@
 //! Functions of the language with their description, and calls of them.
 //!
-//! Every function is a [`Function`]: name, topic, summary, parameters with dimension, range and default, an example, and its body. All
-//! fields are required, so a function without documentation does not compile. The description determines its registration (`registry.rs`),
-//! the checks of its arguments (`arguments.rs`), the names that errors suggest, and the reference.
+//! Every function is a [`Function`]: name, topic, summary, parameters with dimension, range and default, an example, and its body; it is
+//! declared by a chain (`declaration.rs`). The description determines its registration (`registry.rs`), the checks of its arguments
+//! (`arguments.rs`), the names that errors suggest, and the reference.
 
 use std::borrow::Cow;
 use std::rc::Rc;
@@ -70,11 +70,6 @@ impl Form {
 
 /// Native implementation of a function.
 pub type Body = Rc<dyn Fn(&Call) -> Result<Dynamic, Box<EvalAltResult>>>;
-
-/// A body from a closure.
-pub fn body(closure: impl Fn(&Call) -> Result<Dynamic, Box<EvalAltResult>> + 'static) -> Body {
-    Rc::new(closure)
-}
 
 /// A function of the language.
 #[derive(Clone)]
@@ -168,6 +163,11 @@ impl<'a> Call<'a> {
     /// A failure of this call.
     pub fn fail(&self, title: impl Into<String>) -> Failure {
         Failure::script(title).in_method(self.function.form.receiver().is_some())
+    }
+
+    /// A failure of this call with a stable code of [`causes`](super::causes).
+    pub fn refuse(&self, code: &'static str, title: impl Into<String>) -> Failure {
+        self.fail(title).code(code)
     }
 
     /// Position of the call in the source.

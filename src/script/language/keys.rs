@@ -42,8 +42,7 @@ impl Call<'_> {
             .or_else(|| did_you_mean(unknown, free))
             .or_else(|| did_you_mean(unknown, names.iter().copied()));
         let failure = self
-            .fail(format!("{title} has no option `{unknown}`"))
-            .code(causes::UNKNOWN_OPTION)
+            .refuse(causes::UNKNOWN_OPTION, format!("{title} has no option `{unknown}`"))
             .at(Target::Key { argument: index, key: unknown.to_string(), value: false })
             .label("unknown option")
             .cause(format!("its options are {}", listed(&names, "and")));
@@ -60,7 +59,7 @@ impl Call<'_> {
                 None => {
                     let (title, given) = (self.function.title(), describe(self.engine(), value));
                     let failure =
-                        self.fail(format!("`{}` of {title} must be {}", key.name, key.requirement())).code(causes::WRONG_TYPE).at(target);
+                        self.refuse(causes::WRONG_TYPE, format!("`{}` of {title} must be {}", key.name, key.requirement())).at(target);
                     return Err(failure
                         .code(causes::WRONG_TYPE)
                         .label(format!("this is {given}"))
@@ -76,7 +75,7 @@ impl Call<'_> {
         let names: Vec<&str> = keys.iter().map(|key| key.name).collect();
         let Some(unknown) = map.keys().find(|key| !names.contains(&key.as_str())) else { return Ok(()) };
         let failure =
-            self.fail(format!("`{}` of {} has no entry `{unknown}`", outer.name, self.function.title())).code(causes::NO_SUCH).at(target);
+            self.refuse(causes::NO_SUCH, format!("`{}` of {} has no entry `{unknown}`", outer.name, self.function.title())).at(target);
         let failure = failure
             .code(causes::UNKNOWN_OPTION)
             .label(format!("`{unknown}` is unknown"))
@@ -90,8 +89,7 @@ impl Call<'_> {
         let names: Vec<&str> = missing.iter().map(|key| key.name).collect();
         let (title, plural) = (self.function.title(), if missing.len() == 1 { "" } else { "s" });
         let mut failure = self
-            .fail(format!("{title} needs the option{plural} {}", listed(&names, "and")))
-            .code(causes::MISSING)
+            .refuse(causes::MISSING, format!("{title} needs the option{plural} {}", listed(&names, "and")))
             .at(Target::Argument(index))
             .label(format!("`{}` is missing", first.name));
         for key in missing {

@@ -7,6 +7,7 @@ pub mod arrays;
 pub mod callback;
 pub mod causes;
 pub mod comparison;
+pub mod declaration;
 pub mod diagnostics;
 pub mod digits;
 pub mod elementwise;

@@ -3,6 +3,7 @@
 //! A [`Parameter`] is a description; values given by a script are read in `arguments.rs`.
 
 use super::digits::number_text;
+use super::handle::Handle;
 use super::wording::{joined, with_article};
 use crate::math::catalogue::{self, Interval};
 
@@ -107,6 +108,30 @@ pub enum Absent {
     Text(&'static str),
 }
 
+impl From<f64> for Absent {
+    fn from(value: f64) -> Self {
+        Absent::Number(value)
+    }
+}
+
+impl From<i64> for Absent {
+    fn from(value: i64) -> Self {
+        Absent::Integer(value)
+    }
+}
+
+impl From<bool> for Absent {
+    fn from(value: bool) -> Self {
+        Absent::Flag(value)
+    }
+}
+
+impl From<&'static str> for Absent {
+    fn from(value: &'static str) -> Self {
+        Absent::Text(value)
+    }
+}
+
 impl std::fmt::Display for Absent {
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
@@ -148,6 +173,66 @@ impl Parameter {
         Parameter { dimension, range, ..Parameter::new(name, Kind::Number, summary) }
     }
 
+    /// A required truth value.
+    pub fn flag(name: &'static str, summary: &'static str) -> Self {
+        Parameter::new(name, Kind::Flag, summary)
+    }
+
+    /// A required string.
+    pub fn text(name: &'static str, summary: &'static str) -> Self {
+        Parameter::new(name, Kind::Text, summary)
+    }
+
+    /// A required whole number.
+    pub fn integer(name: &'static str, summary: &'static str) -> Self {
+        Parameter::new(name, Kind::Integer, summary)
+    }
+
+    /// A required array of as many numbers as the space has dimensions.
+    pub fn vector(name: &'static str, summary: &'static str) -> Self {
+        Parameter::new(name, Kind::Vector, summary)
+    }
+
+    /// A required array of whole numbers.
+    pub fn counts(name: &'static str, summary: &'static str) -> Self {
+        Parameter::new(name, Kind::Counts, summary)
+    }
+
+    /// A required array.
+    pub fn array(name: &'static str, summary: &'static str) -> Self {
+        Parameter::new(name, Kind::Array, summary)
+    }
+
+    /// A required number, time function or closure of time.
+    pub fn amplitude(name: &'static str, summary: &'static str) -> Self {
+        Parameter::new(name, Kind::Amplitude, summary)
+    }
+
+    /// A required value of any kind.
+    pub fn any(name: &'static str, summary: &'static str) -> Self {
+        Parameter::new(name, Kind::Any, summary)
+    }
+
+    /// A required object of the type `T`.
+    pub fn object<T: Handle>(name: &'static str, summary: &'static str) -> Self {
+        Parameter::new(name, Kind::Handle(T::NAME), summary)
+    }
+
+    /// A required object map, without keys.
+    pub fn map(name: &'static str, summary: &'static str) -> Self {
+        Parameter::new(name, Kind::Options(Vec::new()), summary)
+    }
+
+    /// A required object map `options`, without keys.
+    pub fn options(summary: &'static str) -> Self {
+        Parameter::map("options", summary)
+    }
+
+    /// Returns the object map with these keys.
+    pub fn keys(self, keys: Vec<Parameter>) -> Self {
+        Parameter { kind: Kind::Options(keys), ..self }
+    }
+
     /// Returns the key of an options map for a parameter of a catalogue's row.
     pub(crate) fn of_catalogue(row: &catalogue::Parameter) -> Self {
         let key = Parameter::number(row.name, row.dimension, row.range, row.summary);
@@ -157,9 +242,14 @@ impl Parameter {
         }
     }
 
-    /// Returns the parameter with the default `absent`.
-    pub fn or(self, absent: Absent) -> Self {
-        Parameter { absent, ..self }
+    /// Returns the parameter with a value as its default.
+    pub fn or(self, absent: impl Into<Absent>) -> Self {
+        Parameter { absent: absent.into(), ..self }
+    }
+
+    /// Returns the parameter as optional; `behavior` describes in words what holds without it.
+    pub fn otherwise(self, behavior: &'static str) -> Self {
+        Parameter { absent: Absent::Means(behavior), ..self }
     }
 
     /// Returns the parameter with a dimension.

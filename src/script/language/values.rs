@@ -18,6 +18,16 @@ pub fn as_whole(value: &Dynamic) -> Option<i64> {
     value.as_int().ok().or(fraction.map(|number| number as i64))
 }
 
+/// Values as an array of the language.
+pub fn array_of<T: Into<Dynamic>>(values: impl IntoIterator<Item = T>) -> Dynamic {
+    values.into_iter().map(Into::into).collect::<Array>().into()
+}
+
+/// Entries as an object map of the language.
+pub fn map_of<const N: usize>(entries: [(&str, Dynamic); N]) -> Dynamic {
+    entries.into_iter().map(|(name, value)| (name.into(), value)).collect::<Map>().into()
+}
+
 /// Describes a value in terms of the language, such as `the string "abc"`.
 pub fn describe(engine: &Engine, value: &Dynamic) -> String {
     if value.is_unit() {

@@ -2,15 +2,11 @@
 //!
 //! The texts are those of the [reference](super::reference); only the overview, a list of names, is made here.
 
-use rhai::Dynamic;
-
 use super::pages::PAGES;
 use super::ranking::{is_meant, ranked};
 use super::reference::{Entry, Reference, TOPICS};
 use super::synonyms::{meant, missing};
-use crate::script::language::arguments::Arguments;
-use crate::script::language::function::{Form, Function, Topic, body};
-use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::prelude::*;
 use crate::script::language::registry::Registry;
 
 /// Largest number of entries listed that mention an unknown name.
@@ -97,28 +93,22 @@ fn wrapped(names: &[&str], width: usize) -> Vec<String> {
 
 /// The function `help`.
 pub fn functions() -> Vec<Function> {
-    vec![Function {
-        name: "help",
-        form: Form::Function,
-        topic: Topic::Numbers,
-        summary: "prints what a topic, a function, a type or an object offers",
-        parameters: vec![
-            Parameter::new("about", Kind::Any, "the name of a topic, a function or a type, or an object").or(Absent::Means("all topics")),
-        ],
-        returns: "",
-        example: "help(\"run_to\");".into(),
-        see_also: &[],
-        body: body(|call| {
-            let argument = call.argument("about");
-            let registry = Registry::of(call.host);
-            let value = argument.value();
-            let text = match value.clone().into_string() {
-                Ok(name) => help(&registry, &name),
-                Err(_) if !argument.is_given() => help(&registry, ""),
-                Err(_) => of_type(&registry, call.engine().map_type_name(value.type_name())),
-            };
-            call.host.observer.print(&text);
-            Ok(Dynamic::UNIT)
-        }),
-    }]
+    vec![
+        function(Topic::Numbers, "help")
+            .summary("prints what a topic, a function, a type or an object offers")
+            .parameters(vec![Parameter::any("about", "the name of a topic, a function or a type, or an object").otherwise("all topics")])
+            .example("help(\"run_to\");")
+            .body(|call| {
+                let argument = call.argument("about");
+                let registry = Registry::of(call.host);
+                let value = argument.value();
+                let text = match value.clone().into_string() {
+                    Ok(name) => help(&registry, &name),
+                    Err(_) if !argument.is_given() => help(&registry, ""),
+                    Err(_) => of_type(&registry, call.engine().map_type_name(value.type_name())),
+                };
+                call.host.observer.print(&text);
+                Ok(Dynamic::UNIT)
+            }),
+    ]
 }

@@ -28,8 +28,7 @@ const COLUMNS: &[(&str, &str)] = &[
     (
         "contact_work",
         "the work of contact between bodies in this step, by which the update rule gap dissipates energy; never positive in motion; in \
-         statics \
-         the trapezoidal rule, of either sign",
+         statics the trapezoidal rule, of either sign",
     ),
     ("friction_work", "the work of friction in contacts and joints in this step, which turns into heat; never positive"),
     ("dissipation", "the heat of viscous materials, dampers and drag and the loss of impacts of rigid bodies in this step, never negative"),

@@ -1,10 +1,9 @@
 //! `expect_conserved`: energy, linear and angular momentum, or the balance of every step.
 
-use rhai::{Dynamic, EvalAltResult};
+use rhai::EvalAltResult;
 
 use super::verdicts::{failed, only_listed, passed};
 use crate::dynamics::{LedgerRow, Rows};
-use crate::math::catalogue::Interval;
 use crate::math::tolerances::SAME_MOMENT;
 use crate::output::Inertia;
 use crate::script::api::examples::flight_example;
@@ -17,35 +16,29 @@ const QUANTITIES: &[&str] = &["energy", "momentum", "angular_momentum", "ledger"
 
 /// `expect_conserved`: requires that a quantity does not drift.
 pub fn expect_conserved() -> Function {
-    Function {
-        name: "expect_conserved",
-        form: Form::Function,
-        topic: Topic::Checks,
-        summary: "ends the script with an error when a quantity drifts by more than a relative tolerance; \"ledger\" checks that the \
-                  energy balance of every step closes",
-        parameters: vec![
-            Parameter::new("simulation", Kind::Handle(SimulationHandle::NAME), "the simulation"),
+    function(Topic::Checks, "expect_conserved")
+        .summary(
+            "ends the script with an error when a quantity drifts by more than a relative tolerance; \"ledger\" checks that the energy \
+             balance of every step closes",
+        )
+        .parameters(vec![
+            Parameter::object::<SimulationHandle>("simulation", "the simulation"),
             Parameter::new("quantity", Kind::Choice(QUANTITIES), "what should be conserved"),
-            Parameter::new(
-                "options",
-                Kind::Options(vec![
-                    Parameter::number(
-                        "after",
-                        "time",
-                        Interval::Finite,
-                        "the time from which it should be constant: from the first step that begins there or later",
-                    )
-                    .or(Absent::Number(0.0)),
-                    Parameter::number("tolerance", "1", Interval::NonNegative, "the largest drift, relative to the size of the quantity"),
-                ]),
-                "from when and how well",
-            ),
-        ],
-        returns: "",
-        example: flight_example("sim.run_to(0.05);\nexpect_conserved(sim, \"energy\", #{ after: 0.0, tolerance: 1e-10 });"),
-        see_also: &["expect_close", "history"],
-        body: body(conserved),
-    }
+            Parameter::options("from when and how well"),
+        ])
+        .keys(vec![
+            Parameter::number(
+                "after",
+                "time",
+                Interval::Finite,
+                "the time from which it should be constant: from the first step that begins there or later",
+            )
+            .or(0.0),
+            Parameter::number("tolerance", "1", Interval::NonNegative, "the largest drift, relative to the size of the quantity"),
+        ])
+        .see_also(&["expect_close", "history"])
+        .example(flight_example("sim.run_to(0.05);\nexpect_conserved(sim, \"energy\", #{ after: 0.0, tolerance: 1e-10 });"))
+        .body(conserved)
 }
 
 fn conserved(call: &Call) -> Result<Dynamic, Box<EvalAltResult>> {

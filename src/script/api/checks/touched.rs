@@ -1,6 +1,6 @@
 //! `expect_contact`: requires that a contact pair was ever active, or is active now.
 
-use rhai::{Dynamic, EvalAltResult};
+use rhai::EvalAltResult;
 
 use super::verdicts::{failed, only_listed, passed};
 use crate::script::api::examples::contact_example;
@@ -10,25 +10,20 @@ use crate::script::language::prelude::*;
 
 /// `expect_contact`: requires that a pair was or is closed.
 pub fn expect_contact() -> Function {
-    Function {
-        name: "expect_contact",
-        form: Form::Function,
-        topic: Topic::Checks,
-        summary: "ends the script with an error unless a contact pair was closed after some step (or is closed now)",
-        parameters: vec![
-            Parameter::new("simulation", Kind::Handle(SimulationHandle::NAME), "the simulation"),
-            Parameter::new("name", Kind::Text, "the name of the contact pair"),
+    function(Topic::Checks, "expect_contact")
+        .summary("ends the script with an error unless a contact pair was closed after some step (or is closed now)")
+        .parameters(vec![
+            Parameter::object::<SimulationHandle>("simulation", "the simulation"),
+            Parameter::text("name", "the name of the contact pair"),
             Parameter::new("when", Kind::Choice(&["ever", "now"]), "whether it must have been closed at any time, or must be closed now")
-                .or(Absent::Text("ever")),
-        ],
-        returns: "",
-        example: contact_example(
+                .or("ever"),
+        ])
+        .see_also(&["contact", "add_contact"])
+        .example(contact_example(
             "press.initial_velocity(plate, #{ linear: [0.0, -1.0] });\nlet sim = simulate(press, #{ integrator: energy_momentum(), \
                                                  dt: 0.001 });\nsim.step(3);\nexpect_contact(sim, \"foot\");",
-        ),
-        see_also: &["contact", "add_contact"],
-        body: body(closed),
-    }
+        ))
+        .body(closed)
 }
 
 fn closed(call: &Call) -> Result<Dynamic, Box<EvalAltResult>> {

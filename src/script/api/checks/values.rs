@@ -1,9 +1,8 @@
 //! Checks of values and of failures: `expect`, `expect_close`, `expect_error`.
 
-use rhai::{Dynamic, EvalAltResult};
+use rhai::EvalAltResult;
 
 use super::verdicts::{failed, only_listed, passed};
-use crate::math::catalogue::Interval;
 use crate::math::tolerances::CLOSE;
 use crate::script::language::digits::{number_text, significant};
 use crate::script::language::explain::explain;
@@ -12,19 +11,15 @@ use crate::script::language::values::{as_number, describe};
 
 /// `expect`: a condition.
 pub fn expect() -> Function {
-    Function {
-        name: "expect",
-        form: Form::Function,
-        topic: Topic::Checks,
-        summary: "ends the script with an error when a condition does not hold",
-        parameters: vec![
-            Parameter::new("condition", Kind::Flag, "the condition"),
-            Parameter::new("message", Kind::Text, "what is wrong when it does not hold").or(Absent::Text("the condition does not hold")),
-        ],
-        returns: "",
-        example: "let x = 3.0; expect(x > 0.0, `x must be positive, but is ${x}`);".into(),
-        see_also: &["expect_close", "expect_conserved", "expect_error"],
-        body: body(|call| {
+    function(Topic::Checks, "expect")
+        .summary("ends the script with an error when a condition does not hold")
+        .parameters(vec![
+            Parameter::flag("condition", "the condition"),
+            Parameter::text("message", "what is wrong when it does not hold").or("the condition does not hold"),
+        ])
+        .see_also(&["expect_close", "expect_conserved", "expect_error"])
+        .example("let x = 3.0; expect(x > 0.0, `x must be positive, but is ${x}`);")
+        .body(|call| {
             let (condition, message) = (call.flag("condition")?, call.text("message")?);
             let text =
                 call.place(&Target::Argument(0)).map(|place| place.text[place.range].split_whitespace().collect::<Vec<_>>().join(" "));
@@ -37,37 +32,26 @@ pub fn expect() -> Function {
             } else {
                 Err(failed(call, message).at(Target::Argument(0)).label("this is false").into())
             }
-        }),
-    }
+        })
 }
 
 /// `expect_close`: two numbers, or two arrays of numbers.
 pub fn expect_close() -> Function {
-    Function {
-        name: "expect_close",
-        form: Form::Function,
-        topic: Topic::Checks,
-        summary: "ends the script with an error when two numbers (or arrays of numbers) differ by more than a tolerance",
-        parameters: vec![
-            Parameter::new("a", Kind::Any, "a number or an array of numbers"),
-            Parameter::new("b", Kind::Any, "what it should be"),
-            Parameter::new(
-                "tolerances",
-                Kind::Options(vec![
-                    Parameter::number("relative", "1", Interval::NonNegative, "the largest difference, relative to the larger of the two")
-                        .or(Absent::Means("1e-9 when `absolute` is not given either")),
-                    Parameter::number("absolute", "any", Interval::NonNegative, "the largest difference")
-                        .or(Absent::Means("no absolute tolerance")),
-                ]),
-                "the tolerances; one that holds is enough",
-            )
-            .or(Absent::Means("#{ relative: 1e-9 }")),
-        ],
-        returns: "",
-        example: "expect_close(0.1 + 0.2, 0.3, #{ relative: 1e-12 });".into(),
-        see_also: &["expect"],
-        body: body(compare),
-    }
+    function(Topic::Checks, "expect_close")
+        .summary("ends the script with an error when two numbers (or arrays of numbers) differ by more than a tolerance")
+        .parameters(vec![
+            Parameter::any("a", "a number or an array of numbers"),
+            Parameter::any("b", "what it should be"),
+            Parameter::map("tolerances", "the tolerances; one that holds is enough").otherwise("#{ relative: 1e-9 }"),
+        ])
+        .keys(vec![
+            Parameter::number("relative", "1", Interval::NonNegative, "the largest difference, relative to the larger of the two")
+                .otherwise("1e-9 when `absolute` is not given either"),
+            Parameter::number("absolute", "any", Interval::NonNegative, "the largest difference").otherwise("no absolute tolerance"),
+        ])
+        .see_also(&["expect"])
+        .example("expect_close(0.1 + 0.2, 0.3, #{ relative: 1e-12 });")
+        .body(compare)
 }
 
 fn compare(call: &Call) -> Result<Dynamic, Box<EvalAltResult>> {
@@ -119,27 +103,22 @@ fn numbers(call: &Call, name: &str) -> Result<Vec<f64>, Failure> {
     }
     let entries: Option<Vec<f64>> = value.read_lock::<rhai::Array>().and_then(|array| array.iter().map(as_number).collect());
     entries.ok_or_else(|| {
-        let failure = argument.fail(format!("{} must be a number or an array of numbers", argument.title())).code(causes::WRONG_TYPE);
+        let failure = argument.wrong(causes::WRONG_TYPE, "must be a number or an array of numbers");
         failure.label(format!("this is {}", describe(call.engine(), &value)))
     })
 }
 
 /// `expect_error`: requires that a closure fails.
 pub fn expect_error() -> Function {
-    Function {
-        name: "expect_error",
-        form: Form::Function,
-        topic: Topic::Checks,
-        summary: "ends the script with an error unless a closure fails with a message that contains a text",
-        parameters: vec![
+    function(Topic::Checks, "expect_error")
+        .summary("ends the script with an error unless a closure fails with a message that contains a text")
+        .parameters(vec![
             Parameter::new("action", Kind::Closure("||"), "what should fail"),
-            Parameter::new("text", Kind::Text, "a part of the message").or(Absent::Text("")),
-        ],
-        returns: "",
-        example: "expect_error(|| ring(#{ inner_radius: -1.0, outer_radius: 2.0, cells: [2, 12] }), \"greater than 0\");".into(),
-        see_also: &["expect"],
-        body: body(must_fail),
-    }
+            Parameter::text("text", "a part of the message").or(""),
+        ])
+        .see_also(&["expect"])
+        .example("expect_error(|| ring(#{ inner_radius: -1.0, outer_radius: 2.0, cells: [2, 12] }), \"greater than 0\");")
+        .body(must_fail)
 }
 
 fn must_fail(call: &Call) -> Result<Dynamic, Box<EvalAltResult>> {

@@ -1,6 +1,6 @@
 //! Common end of all checks: reports the measured value, ends the script, or only lists the check in `conserva check`.
 
-use rhai::{Dynamic, EvalAltResult};
+use rhai::EvalAltResult;
 
 use crate::script::language::failure::Class;
 use crate::script::language::prelude::*;

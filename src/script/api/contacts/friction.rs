@@ -2,11 +2,10 @@
 
 use std::sync::Arc;
 
-use rhai::{Dynamic, EvalAltResult, FnPtr};
+use rhai::{EvalAltResult, FnPtr};
 
 use crate::contact::{Coulomb, FrictionCurve, ROUGH};
 use crate::dynamics::{Coefficient, Friction};
-use crate::math::catalogue::Interval;
 use crate::script::api::time_functions::{amplitude_of, place_function, points_of};
 use crate::script::language::callback::Callback;
 use crate::script::language::diagnostics::Diagnostic;
@@ -45,46 +44,39 @@ pub fn functions() -> Vec<Function> {
 }
 
 fn coulomb() -> Function {
-    let number = |name, dimension, range, summary, absent| Parameter::number(name, dimension, range, summary).or(Absent::Means(absent));
-    Function {
-        name: "coulomb",
-        form: Form::Function,
-        topic: Topic::Contact,
-        summary: "Coulomb friction for a contact: the shear stress in sliding is `coefficient` times the pressure",
-        parameters: vec![Parameter::new(
-            "options",
-            Kind::Options(vec![
-                Parameter::new(
-                    "coefficient",
-                    Kind::Either("a number, a time function, or a closure `|t| …` or `|x, y| …`"),
-                    "the kinetic coefficient, 0 or more",
-                )
-                .of("1"),
-                number("at_rest", "1", Interval::Positive, "the ratio of the static to the kinetic coefficient, 1 or more", "1"),
-                number("transition_speed", "length/time", Interval::Positive, "the speed of the transition to sliding", "no transition"),
-                Parameter::number("exponent", "1", Interval::Positive, "the exponent of `exp(-(v/transition_speed)^exponent)`")
-                    .or(Absent::Number(1.0)),
-                Parameter::number("adhesion", "stress", Interval::NonNegative, "the shear stress of sticking surfaces without pressure")
-                    .or(Absent::Number(0.0)),
-                number("most", "stress", Interval::Positive, "the maximum shear stress", "no bound"),
-                Parameter::number("viscosity", "stress*time/length", Interval::NonNegative, "the shear stress per speed of a film")
-                    .or(Absent::Number(0.0)),
-            ]),
-            "coefficient, and what else the shear stress depends on",
-        )],
-        returns: FrictionHandle::NAME,
-        example: "print(coulomb(#{ coefficient: 0.3 }));\nlet rubber = coulomb(#{ coefficient: 0.6, at_rest: 1.5, transition_speed: 0.01, \
-                  viscosity: 20.0 });"
-            .into(),
-        see_also: &["friction_curve", "rough", "add_contact"],
-        body: body(|call| {
+    let number = |name, dimension, range, summary, absent| Parameter::number(name, dimension, range, summary).otherwise(absent);
+    function(Topic::Contact, "coulomb")
+        .summary("Coulomb friction for a contact: the shear stress in sliding is `coefficient` times the pressure")
+        .parameters(vec![Parameter::options("coefficient, and what else the shear stress depends on")])
+        .keys(vec![
+            Parameter::new(
+                "coefficient",
+                Kind::Either("a number, a time function, or a closure `|t| …` or `|x, y| …`"),
+                "the kinetic coefficient, 0 or more",
+            )
+            .of("1"),
+            number("at_rest", "1", Interval::Positive, "the ratio of the static to the kinetic coefficient, 1 or more", "1"),
+            number("transition_speed", "length/time", Interval::Positive, "the speed of the transition to sliding", "no transition"),
+            Parameter::number("exponent", "1", Interval::Positive, "the exponent of `exp(-(v/transition_speed)^exponent)`").or(1.0),
+            Parameter::number("adhesion", "stress", Interval::NonNegative, "the shear stress of sticking surfaces without pressure")
+                .or(0.0),
+            number("most", "stress", Interval::Positive, "the maximum shear stress", "no bound"),
+            Parameter::number("viscosity", "stress*time/length", Interval::NonNegative, "the shear stress per speed of a film").or(0.0),
+        ])
+        .returns(FrictionHandle::NAME)
+        .see_also(&["friction_curve", "rough", "add_contact"])
+        .example(
+            "print(coulomb(#{ coefficient: 0.3 }));\nlet rubber = coulomb(#{ coefficient: 0.6, at_rest: 1.5, transition_speed: 0.01, \
+                  viscosity: 20.0 });",
+        )
+        .body(|call| {
             let options = call.options("options")?;
             let coefficient = coefficient_of(&options.argument("coefficient"))?;
             let static_ratio = options.optional_number("at_rest")?.unwrap_or(1.0);
             let transition = options.optional_number("transition_speed")?;
             if static_ratio < 1.0 {
                 let argument = options.argument("at_rest");
-                let failure = argument.fail(format!("{} must be 1 or more", argument.title())).code(causes::OUT_OF_RANGE);
+                let failure = argument.wrong(causes::OUT_OF_RANGE, "must be 1 or more");
                 return Err(failure
                     .label(format!("this is {}", number_text(static_ratio)))
                     .hint("static friction is at least as large as kinetic friction")
@@ -97,7 +89,7 @@ fn coulomb() -> Function {
                 warn_of_percent(&options.argument("at_rest"), sliding * static_ratio);
             }
             if transition.is_none() && static_ratio != 1.0 {
-                let failure = options.argument("at_rest").fail("`at_rest` needs a `transition_speed`").code(causes::OPTIONS_TOGETHER);
+                let failure = options.argument("at_rest").refuse(causes::OPTIONS_TOGETHER, "`at_rest` needs a `transition_speed`");
                 return Err(failure
                     .hint("add the speed of the transition from static to kinetic friction, such as a hundredth of typical sliding speeds")
                     .into());
@@ -116,8 +108,7 @@ fn coulomb() -> Function {
                 std::iter::once(format!("coefficient: {}", written(&coefficient))).chain(others.iter().filter_map(number)).collect();
             let written = format!("coulomb(#{{ {} }})", entries.join(", "));
             Ok(Dynamic::from(FrictionHandle { friction: Friction { law: Arc::new(law), coefficient }, written }))
-        }),
-    }
+        })
 }
 
 /// Returns a coefficient as written in a script.
@@ -130,23 +121,21 @@ fn written(coefficient: &Coefficient) -> String {
 }
 
 fn friction_curve() -> Function {
-    Function {
-        name: "friction_curve",
-        form: Form::Function,
-        topic: Topic::Contact,
-        summary: "friction for a contact whose coefficient is any function of the speed with which surfaces slide on each other",
-        parameters: vec![Parameter::new(
+    function(Topic::Contact, "friction_curve")
+        .summary("friction for a contact whose coefficient is any function of the speed with which surfaces slide on each other")
+        .parameters(vec![Parameter::new(
             "coefficient",
             Kind::Either("an array of `[speed, coefficient]` pairs or a closure `|v| …`"),
             "the coefficient: linear between pairs and constant beyond them; a closure is evaluated once at 128 speeds in every power of \
              ten",
-        )],
-        returns: FrictionHandle::NAME,
-        example: "let measured = friction_curve([[0.0, 0.45], [0.05, 0.32], [1.0, 0.3]]);
-                  let stribeck = friction_curve(|v| 0.2 + 0.1 * exp(-v / 0.01) + 0.05 * v);"
-            .into(),
-        see_also: &["coulomb", "rough", "add_contact"],
-        body: body(|call| {
+        )])
+        .returns(FrictionHandle::NAME)
+        .see_also(&["coulomb", "rough", "add_contact"])
+        .example(
+            "let measured = friction_curve([[0.0, 0.45], [0.05, 0.32], [1.0, 0.3]]);
+                  let stribeck = friction_curve(|v| 0.2 + 0.1 * exp(-v / 0.01) + 0.05 * v);",
+        )
+        .body(|call| {
             let argument = call.argument("coefficient");
             let value = argument.value();
             let (points, written) = match value.read_lock::<FnPtr>() {
@@ -162,16 +151,16 @@ fn friction_curve() -> Function {
             };
             let least = points.iter().map(|(_, coefficient)| *coefficient).fold(f64::INFINITY, f64::min);
             let Some(curve) = FrictionCurve::new(points) else {
-                let failure = argument
-                    .fail("speeds and coefficients of `friction_curve` must be 0 or more, and at least one pair is needed")
-                    .code(causes::OUT_OF_RANGE);
+                let failure = argument.refuse(
+                    causes::OUT_OF_RANGE,
+                    "speeds and coefficients of `friction_curve` must be 0 or more, and at least one pair is needed",
+                );
                 return Err(failure.hint("write `[[0.0, 0.45], [1.0, 0.3]]`").into());
             };
             warn_of_percent(&argument, if least.is_finite() { least } else { 0.0 });
             let friction = Friction { law: Arc::new(curve), coefficient: Coefficient::Constant(1.0) };
             Ok(Dynamic::from(FrictionHandle { friction, written }))
-        }),
-    }
+        })
 }
 
 /// Samples a closure of the slip speed at many speeds, as a piecewise linear law.
@@ -182,8 +171,7 @@ fn sampled(argument: &Argument, closure: &Callback) -> Result<Vec<(f64, f64)>, B
         match as_number(&value) {
             Some(number) if number.is_finite() && number >= 0.0 => Ok((speed, number)),
             _ => {
-                let failure =
-                    argument.fail(format!("{} must give a coefficient of 0 or more", argument.title())).code(causes::OUT_OF_RANGE);
+                let failure = argument.wrong(causes::OUT_OF_RANGE, "must give a coefficient of 0 or more");
                 let given = describe(argument.call().engine(), &value);
                 Err(failure
                     .label(format!("at the speed {} this gives {given}", number_text(speed)))
@@ -196,18 +184,15 @@ fn sampled(argument: &Argument, closure: &Callback) -> Result<Vec<(f64, f64)>, B
 }
 
 fn rough() -> Function {
-    Function {
-        name: "rough",
-        form: Form::Function,
-        topic: Topic::Contact,
-        summary: "friction of a contact whose surfaces do not slide: a coefficient of 10, so that they slide only where the pressure is \
-                  very small",
-        parameters: Vec::new(),
-        returns: FrictionHandle::NAME,
-        example: "print(rough());".into(),
-        see_also: &["coulomb", "friction_curve", "add_contact"],
-        body: body(|_| Ok(Dynamic::from(FrictionHandle { friction: plain(Coefficient::Constant(ROUGH)), written: "rough()".into() }))),
-    }
+    function(Topic::Contact, "rough")
+        .summary(
+            "friction of a contact whose surfaces do not slide: a coefficient of 10, so that they slide only where the pressure is very \
+             small",
+        )
+        .returns(FrictionHandle::NAME)
+        .see_also(&["coulomb", "friction_curve", "add_contact"])
+        .example("print(rough());")
+        .body(|_| Ok(Dynamic::from(FrictionHandle { friction: plain(Coefficient::Constant(ROUGH)), written: "rough()".into() })))
 }
 
 /// Description of the option `friction` of a contact.
@@ -217,7 +202,7 @@ pub fn friction_parameter() -> Parameter {
         Kind::Either("a coefficient, `coulomb(…)`, `friction_curve(…)`, `rough()` or `\"none\"`"),
         "the friction law: a number is the coefficient of Coulomb's law",
     )
-    .or(Absent::Means("none: surfaces slide freely"))
+    .otherwise("none: surfaces slide freely")
 }
 
 /// Returns the friction law in the options.

@@ -2,12 +2,9 @@
 
 use std::sync::LazyLock;
 
-use rhai::Dynamic;
-
 use super::obstacles::ObstacleHandle;
 use crate::contact::{ContactMethod, FacetShape, METHODS, MORTAR, Obstacle};
 use crate::dynamics::{Enforcement, UPDATE_RULES, UpdateRule};
-use crate::math::catalogue::Interval;
 use crate::script::language::prelude::*;
 
 /// A contact method.
@@ -29,17 +26,12 @@ pub fn functions() -> Vec<Function> {
 }
 
 fn method_function(method: &'static ContactMethod) -> Function {
-    Function {
-        name: method.name,
-        form: Form::Function,
-        topic: Topic::Contact,
-        summary: method.summary,
-        parameters: Vec::new(),
-        returns: ContactMethodHandle::NAME,
-        example: format!("print({}());", method.name).into(),
-        see_also: &["add_contact"],
-        body: body(move |_| Ok(Dynamic::from(ContactMethodHandle(method)))),
-    }
+    function(Topic::Contact, method.name)
+        .summary(method.summary)
+        .returns(ContactMethodHandle::NAME)
+        .see_also(&["add_contact"])
+        .example(format!("print({}());", method.name))
+        .body(move |_| Ok(Dynamic::from(ContactMethodHandle(method))))
 }
 
 /// Names of the update rules.
@@ -50,8 +42,7 @@ fn update_names() -> &'static [&'static str] {
 
 /// Description of the option `method`.
 pub fn method_parameter() -> Parameter {
-    Parameter::new("method", Kind::Handle(ContactMethodHandle::NAME), "how the conditions are discretized between two surfaces")
-        .or(Absent::Means("`mortar()`"))
+    Parameter::object::<ContactMethodHandle>("method", "how the conditions are discretized between two surfaces").otherwise("`mortar()`")
 }
 
 /// Description of the option `facets`.
@@ -64,9 +55,7 @@ pub fn facets_parameter() -> Parameter {
          touch planes, disks and rings between the nodes, too; whether whole circles and spheres of two rigid bodies \
          touch as such",
     )
-    .or(Absent::Means(
-        "`\"curved\"`; with `node_to_segment()` in the plane, and for deformable bodies on obstacles in the plane, `\"straight\"`",
-    ))
+    .otherwise("`\"curved\"`; with `node_to_segment()` in the plane, and for deformable bodies on obstacles in the plane, `\"straight\"`")
 }
 
 /// Facet geometry named in the options.
@@ -80,9 +69,8 @@ pub fn shape_parameters() -> [Parameter; 2] {
     let secondary = "the exact shape of the secondary side, given as the obstacle with that border: `rigid_disk` or `rigid_ring` for a \
                      circle, `rigid_plane`, `rigid_sphere`, `rigid_cylinder`, `rigid_cone`, `rigid_torus`; all nodes of the side lie on it";
     let primary = "the exact shape of the primary side, as `secondary_shape`";
-    [("secondary_shape", secondary), ("primary_shape", primary)].map(|(name, summary)| {
-        Parameter::new(name, Kind::Handle(ObstacleHandle::NAME), summary).or(Absent::Means("the curve through the nodes"))
-    })
+    [("secondary_shape", secondary), ("primary_shape", primary)]
+        .map(|(name, summary)| Parameter::object::<ObstacleHandle>(name, summary).otherwise("the curve through the nodes"))
 }
 
 /// Exact shapes of both sides named in the options. An obstacle as partner has a shape already.
@@ -96,7 +84,7 @@ pub fn shapes_of(options: &Options, has_obstacle: bool, has_arcs: bool) -> Resul
             continue;
         }
         if has_obstacle && !(has_arcs && name == "secondary_shape") {
-            let failure = argument.fail(format!("{} has no meaning for a rigid obstacle", argument.title())).code(causes::BODY_KIND);
+            let failure = argument.wrong(causes::BODY_KIND, "has no meaning for a rigid obstacle");
             let failure = failure.cause("contact with an obstacle is at the nodes of the body, and the obstacle is exact");
             return Err(failure.hint("leave the option out"));
         }
@@ -118,28 +106,27 @@ pub fn rule_parameters() -> [Parameter; 3] {
             Kind::Choice(update_names()),
             "the update rule: the condition on the gap of an active node at the end of a step",
         )
-        .or(Absent::Means("`\"persistency\"` with an integrator that keeps the energy, `\"gap\"` with others")),
+        .otherwise("`\"persistency\"` with an integrator that keeps the energy, `\"gap\"` with others"),
         Parameter::number(
             "penalty",
             "1",
             Interval::Positive,
-            "a stiffness instead of multipliers: the pressure is `penalty * E / h` \
-            times the depth, with Young's modulus E and the shortest \
-             facet h of the secondary body",
+            "a stiffness instead of multipliers: the pressure is `penalty * E / h` times the depth, with Young's modulus E and the \
+             shortest facet h of the secondary body",
         )
-        .or(Absent::Means("multipliers: the update rule holds exactly")),
+        .otherwise("multipliers: the update rule holds exactly"),
         Parameter::number(
             "augmented_lagrange",
             "1",
             Interval::Positive,
             "an augmentation, relative to a node's stiffness in a step: multipliers found by iteration, 100 is a good value",
         )
-        .or(Absent::Means("multipliers found by solving for them")),
+        .otherwise("multipliers found by solving for them"),
     ]
 }
 
 /// Contact method named in the options.
-pub fn method_of(options: &Options) -> Result<&'static ContactMethod, Failure> {
+pub fn chosen_method(options: &Options) -> Result<&'static ContactMethod, Failure> {
     let method = options.argument("method");
     Ok(if method.is_given() { method.handle::<ContactMethodHandle>()?.0 } else { &MORTAR })
 }
@@ -155,7 +142,7 @@ pub fn rules_of(options: &Options) -> Result<(Option<&'static UpdateRule>, Enfor
         (Some(factor), None) => Enforcement::Penalty { factor },
         (None, Some(factor)) => Enforcement::AugmentedLagrange { factor },
         (Some(_), Some(_)) => {
-            let failure = augmented.fail("`penalty` and `augmented_lagrange` exclude each other").code(causes::OPTIONS_TOGETHER);
+            let failure = augmented.refuse(causes::OPTIONS_TOGETHER, "`penalty` and `augmented_lagrange` exclude each other");
             return Err(failure.hint("leave one of them out: `penalty` allows a small penetration, `augmented_lagrange` none"));
         }
     };

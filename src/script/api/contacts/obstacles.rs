@@ -1,10 +1,7 @@
 //! Rigid obstacles: shapes that other bodies touch, at rest or displaced over time.
 
-use rhai::Dynamic;
-
 use crate::contact::{Obstacle, ObstacleInSpace, TurningAxis};
 use crate::dynamics::{Amplitude, ObstacleRotation};
-use crate::math::catalogue::Interval;
 use crate::script::api::models::description::{describe_obstacle, without_unit};
 use crate::script::api::time_functions::amplitude_of;
 use crate::script::language::digits::vector_text;
@@ -58,8 +55,8 @@ impl Moves {
         match self {
             Moves::Plane => [
                 "the angle by which it has turned over time: in the plane its border tilts about a point, counter-clockwise; in space it \
-                 turns about its normal through `point`, as a right-handed screw, with effect on friction only as on a turntable, or \
-                 tilts about another axis",
+                 turns about its normal through `point`, as a right-handed screw, with effect on friction only as on a turntable, or tilts \
+                 about another axis",
                 "`point`",
                 "in space the normal",
             ],
@@ -83,20 +80,19 @@ impl Moves {
 }
 
 fn motion_parameter(moves: Moves) -> Parameter {
-    let component = |name| Parameter::new(name, Kind::Amplitude, "the displacement in this direction over time").of("length");
+    let component = |name| Parameter::amplitude(name, "the displacement in this direction over time").of("length");
     let [angle, point, axis] = moves.rotation();
     let has_axis = !axis.is_empty();
     let axes = if has_axis { &["x", "y", "z"][..] } else { &["x", "y"] };
-    let mut components: Vec<Parameter> = axes.iter().map(|&name| component(name).or(Absent::Means("none"))).collect();
-    components.push(Parameter::new("angle", Kind::Amplitude, angle).of("rad").or(Absent::Means("none")));
-    let about = Parameter::new("about", Kind::Vector, "a point of the axis about which it turns; the point moves with the obstacle");
-    let about = about.of("length").or(Absent::Means(if point.is_empty() { "needed with an `angle`" } else { point }));
+    let mut components: Vec<Parameter> = axes.iter().map(|&name| component(name).otherwise("none")).collect();
+    components.push(Parameter::amplitude("angle", angle).of("rad").otherwise("none"));
+    let about = Parameter::vector("about", "a point of the axis about which it turns; the point moves with the obstacle");
+    let about = about.of("length").otherwise(if point.is_empty() { "needed with an `angle`" } else { point });
     components.push(about);
     if has_axis {
-        components
-            .push(Parameter::new("axis", Kind::Vector, "the axis about which it turns, of any length").of("1").or(Absent::Means(axis)));
+        components.push(Parameter::vector("axis", "the axis about which it turns, of any length").of("1").otherwise(axis));
     }
-    Parameter::new("motion", Kind::Options(components), "how the obstacle moves over time").or(Absent::Means("at rest"))
+    Parameter::map("motion", "how the obstacle moves over time").otherwise("at rest").keys(components)
 }
 
 /// Returns the rotation in the options `motion` of an obstacle with the options `options`.
@@ -107,12 +103,12 @@ fn rotation_of(moves: Moves, obstacle: &Obstacle, options: &Options, motion: &Op
     if !angle.is_given() {
         let given = axis.as_ref().or(Some(&about).filter(|about| about.is_given()));
         return given.map_or(Ok(None), |given| {
-            let failure = given.fail(format!("{} has no meaning without an `angle`", given.title())).code(causes::OPTIONS_TOGETHER);
+            let failure = given.wrong(causes::OPTIONS_TOGETHER, "has no meaning without an `angle`");
             Err(failure.hint("give the `angle` over time, such as `|t| 2.0 * t`, or leave this out"))
         });
     }
     if let Some(axis) = axis.as_ref().filter(|_| !is_in_space) {
-        let failure = axis.fail("an obstacle of the plane turns about a point").code(causes::DIMENSION);
+        let failure = axis.refuse(causes::DIMENSION, "an obstacle of the plane turns about a point");
         return Err(failure.hint("leave the axis out, or give a point and a normal of 3 numbers"));
     }
     let angle = amplitude_of(&angle)?;
@@ -125,7 +121,7 @@ fn rotation_of(moves: Moves, obstacle: &Obstacle, options: &Options, motion: &Op
         (true, _) => about.vector(if is_in_space { 3 } else { 2 })?,
         (false, Some([center, _])) => center,
         (false, None) => {
-            let failure = about.fail("a rotation needs a point of its axis").code(causes::MISSING);
+            let failure = about.refuse(causes::MISSING, "a rotation needs a point of its axis");
             return Err(failure.label("this has an `angle` alone").hint("write `about: [0.0, 0.0]`, in space `about: [0.0, 0.0, 0.0]`"));
         }
     };
@@ -180,39 +176,32 @@ pub fn shape(
     make: fn(&Options) -> Result<Obstacle, Failure>,
 ) -> Function {
     keys.push(motion_parameter(moves));
-    Function {
-        name,
-        form: Form::Function,
-        topic: Topic::Contact,
-        summary,
-        parameters: vec![Parameter::new("options", Kind::Options(keys), "shape, place and motion")],
-        returns: ObstacleHandle::NAME,
-        example: example.into(),
-        see_also: if moves.is_in_space() || moves == Moves::Plane { IN_SPACE } else { IN_PLANE },
-        body: body(move |call| {
+    function(Topic::Contact, name)
+        .summary(summary)
+        .parameters(vec![Parameter::options("shape, place and motion").keys(keys)])
+        .returns(ObstacleHandle::NAME)
+        .see_also(if moves.is_in_space() || moves == Moves::Plane { IN_SPACE } else { IN_PLANE })
+        .example(example)
+        .body(move |call| {
             let options = call.options("options")?;
             let obstacle = make(&options)?;
             let nested = options.nested("motion")?;
-            let over_time = |name: &'static str| {
-                let argument = nested.argument(name);
-                if argument.is_given() { amplitude_of(&argument).map(Some) } else { Ok(None) }
-            };
+            let over_time = |name: &'static str| nested.argument(name).given(amplitude_of);
             let along_z = if moves.is_in_space() || moves == Moves::Plane { over_time("z")? } else { None };
             let motion = [over_time("x")?, over_time("y")?, along_z];
             let turn = rotation_of(moves, &obstacle, &options, &nested)?;
             if motion[2].is_some() && !matches!(obstacle, Obstacle::InSpace(_)) {
                 let argument = nested.argument("z");
-                let failure = argument.fail("an obstacle of the plane does not move along z").code(causes::DIMENSION);
+                let failure = argument.refuse(causes::DIMENSION, "an obstacle of the plane does not move along z");
                 return Err(failure.hint("leave it out, or give a point and a normal of 3 numbers").into());
             }
             Ok(Dynamic::from(ObstacleHandle { obstacle, motion, turn }))
-        }),
-    }
+        })
 }
 
 /// Parameter of a point.
 pub fn point(name: &'static str, summary: &'static str) -> Parameter {
-    Parameter::new(name, Kind::Vector, summary).of("length")
+    Parameter::vector(name, summary).of("length")
 }
 
 /// Parameter of a radius.
@@ -224,7 +213,7 @@ pub fn radius(summary: &'static str) -> Parameter {
 pub fn direction(argument: &Argument) -> Result<[f64; 3], Failure> {
     let vector = argument.vector(3)?;
     if vector == [0.0; 3] {
-        let failure = argument.fail(format!("{} has no direction", argument.title())).code(causes::NO_DIRECTION);
+        let failure = argument.wrong(causes::NO_DIRECTION, "has no direction");
         return Err(failure.label("this has length 0").hint("give a direction, such as `[0.0, 0.0, 1.0]`"));
     }
     Ok(vector)
@@ -236,7 +225,7 @@ fn rigid_plane() -> Function {
         "a rigid plane as the other side of a contact: all behind it is rigid; in the plane a half plane",
         vec![
             point("point", "a point of its border, of 2 or, in space, of 3 numbers"),
-            Parameter::new("normal", Kind::Vector, "the outward normal of its border, of any length: bodies are on that side").of("1"),
+            Parameter::vector("normal", "the outward normal of its border, of any length: bodies are on that side").of("1"),
         ],
         Moves::Plane,
         "let ground = rigid_plane(#{ point: [0.0, 0.0], normal: [0.0, 1.0] });",
@@ -248,7 +237,7 @@ fn rigid_plane() -> Function {
             }
             let (point, normal) = (point.vector(2)?, argument.vector(2)?);
             if normal == [0.0; 3] {
-                let failure = argument.fail(format!("{} has no direction", argument.title())).code(causes::NO_DIRECTION);
+                let failure = argument.wrong(causes::NO_DIRECTION, "has no direction");
                 return Err(failure.label("this has length 0").hint("give the direction away from the plane, such as `[0.0, 1.0]`"));
             }
             Ok(Obstacle::HalfPlane { point: [point[0], point[1]], normal: [normal[0], normal[1]] })
@@ -288,18 +277,18 @@ fn rigid_polyline() -> Function {
     shape(
         "rigid_polyline",
         "straight rigid facets as the other side of a contact: the obstacle is on the left of the way through the points",
-        vec![Parameter::new("points", Kind::Array, "an array of points `[x, y]`; closed when the last is the first").of("length")],
+        vec![Parameter::array("points", "an array of points `[x, y]`; closed when the last is the first").of("length")],
         Moves::Polyline,
         "let stairs = rigid_polyline(#{ points: [[4.0, 0.0], [2.0, 0.0], [2.0, 0.5], [0.0, 0.5]] });",
         |options| {
             let argument = options.argument("points");
             let points = argument.points()?;
             if points.len() < 2 {
-                let failure = argument.fail(format!("{} must have at least 2 points", argument.title())).code(causes::COUNT);
+                let failure = argument.wrong(causes::COUNT, "must have at least 2 points");
                 return Err(failure.label(format!("this has {}", points.len())).hint("name the ends of at least one facet"));
             }
             if let Some(twice) = points.windows(2).find(|pair| pair[0] == pair[1]) {
-                let failure = argument.fail(format!("{} has a facet of length 0", argument.title())).code(causes::NO_DIRECTION);
+                let failure = argument.wrong(causes::NO_DIRECTION, "has a facet of length 0");
                 return Err(failure.label(format!("{} comes twice in a row", vector_text(&twice[0]))).hint("leave out one of the two"));
             }
             Ok(Obstacle::Polyline { points })

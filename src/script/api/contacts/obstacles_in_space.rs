@@ -5,7 +5,6 @@ use std::sync::Arc;
 
 use super::obstacles::{Moves, direction, point, radius, shape};
 use crate::contact::{Facets, FacetsError, Mending, Obstacle, ObstacleInSpace};
-use crate::math::catalogue::Interval;
 use crate::mesh::{MeshError, read_surface};
 use crate::script::api::meshes::boundaries::boundary_named;
 use crate::script::api::meshes::handle::MeshHandle;
@@ -22,11 +21,11 @@ pub fn functions() -> Vec<Function> {
 }
 
 fn axis(summary: &'static str) -> Parameter {
-    Parameter::new("axis", Kind::Vector, summary).of("1")
+    Parameter::vector("axis", summary).of("1")
 }
 
 fn inside(summary: &'static str) -> Parameter {
-    Parameter::new("inside", Kind::Flag, summary).or(Absent::Flag(false))
+    Parameter::flag("inside", summary).or(false)
 }
 
 fn in_space(obstacle: ObstacleInSpace) -> Result<Obstacle, Failure> {
@@ -40,15 +39,14 @@ fn rigid_sphere() -> Function {
         vec![
             point("center", "its center"),
             radius("its radius"),
-            axis("the axis through its center about which it turns").or(Absent::Means("along z")),
+            axis("the axis through its center about which it turns").otherwise("along z"),
             inside("whether bodies are inside of it, as in a bowl"),
         ],
         Moves::AboutAxis,
         "let bowl = rigid_sphere(#{ center: [0.0, 0.0, 2.0], radius: 2.0, inside: true });",
         |options| {
             let (center, radius) = (options.argument("center").vector(3)?, options.number("radius")?);
-            let about = options.argument("axis");
-            let axis = if about.is_given() { direction(&about)? } else { [0.0, 0.0, 1.0] };
+            let axis = options.argument("axis").given(direction)?.unwrap_or([0.0, 0.0, 1.0]);
             in_space(ObstacleInSpace::Sphere { center, radius, axis, is_hollow: options.flag("inside")? })
         },
     )
@@ -62,9 +60,9 @@ fn rigid_cylinder() -> Function {
             point("point", "a point of its axis; with a `length` its middle"),
             axis("the direction of its axis, of any length"),
             radius("its radius"),
-            Parameter::number("length", "length", Interval::Positive, "how long it is between flat ends").or(Absent::Means("without ends")),
+            Parameter::number("length", "length", Interval::Positive, "how long it is between flat ends").otherwise("without ends"),
             Parameter::number("edge_radius", "length", Interval::Positive, "the radius of the edges between its side and its ends")
-                .or(Absent::Means("a hundredth of `radius`, or of half the `length` where that is less")),
+                .otherwise("a hundredth of `radius`, or of half the `length` where that is less"),
             inside("whether bodies are inside of it, as in a pipe"),
         ],
         Moves::AboutAxis,
@@ -77,7 +75,7 @@ fn rigid_cylinder() -> Function {
             }
             let edge = options.argument("edge_radius");
             if edge.is_given() {
-                let failure = edge.fail(format!("{} has no meaning without a `length`", edge.title())).code(causes::OPTIONS_TOGETHER);
+                let failure = edge.wrong(causes::OPTIONS_TOGETHER, "has no meaning without a `length`");
                 return Err(failure.label("this cylinder has no ends").hint("give its `length`, or leave this out"));
             }
             in_space(ObstacleInSpace::Cylinder { point, axis, radius, is_hollow })
@@ -89,15 +87,14 @@ fn rigid_cylinder() -> Function {
 fn finite_cylinder(options: &Options, (center, axis, radius): ([f64; 3], [f64; 3], f64)) -> Result<Obstacle, Failure> {
     let inside = options.argument("inside");
     if options.flag("inside")? {
-        let failure = inside.fail("bodies are outside of a cylinder with ends").code(causes::OPTIONS_TOGETHER);
+        let failure = inside.refuse(causes::OPTIONS_TOGETHER, "bodies are outside of a cylinder with ends");
         return Err(failure.hint("leave out `length`, and close the pipe with a `rigid_plane` in a contact of its own"));
     }
     let (length, argument) = (options.number("length")?, options.argument("edge_radius"));
     let most = radius.min(0.5 * length);
     let edge = if argument.is_given() { options.number("edge_radius")? } else { EDGE * most };
     if edge > most {
-        let failure =
-            argument.fail(format!("{} must be no larger than the radius and half the length", argument.title())).code(causes::ORDER);
+        let failure = argument.wrong(causes::ORDER, "must be no larger than the radius and half the length");
         return Err(failure.label(format!("at most {most} fits")).hint("write a smaller one, or leave it out"));
     }
     in_space(ObstacleInSpace::FiniteCylinder { center, axis, radius, length, edge })
@@ -142,8 +139,7 @@ fn rigid_torus() -> Function {
             let (radius, tube, is_hollow) = (options.number("radius")?, options.number("tube_radius")?, options.flag("inside")?);
             if tube >= radius {
                 let argument = options.argument("tube_radius");
-                let failure =
-                    argument.fail(format!("{} must be smaller than the radius of the ring", argument.title())).code(causes::ORDER);
+                let failure = argument.wrong(causes::ORDER, "must be smaller than the radius of the ring");
                 return Err(failure
                     .label(format!("the ring has the radius {radius}"))
                     .hint("else the torus has no hole, and crosses itself"));
@@ -158,10 +154,10 @@ fn rigid_box() -> Function {
         "rigid_box",
         "a rigid box as the other side of a contact of bodies in space; bodies are outside of it",
         vec![
-            Parameter::new("size", Kind::Vector, "its edges along x, y and z before it is turned").of("length"),
+            Parameter::vector("size", "its edges along x, y and z before it is turned").of("length"),
             point("origin", "its lowest corner before it is turned"),
-            axis("the axis about which it is turned, through its middle").or(Absent::Means("along z")),
-            Parameter::new("angle", Kind::Number, "the angle by which it is turned").of("rad").or(Absent::Number(0.0)),
+            axis("the axis about which it is turned, through its middle").otherwise("along z"),
+            Parameter::new("angle", Kind::Number, "the angle by which it is turned").of("rad").or(0.0),
         ],
         Moves::Box,
         "let anvil = rigid_box(#{ size: [1.0, 1.0, 0.5], origin: [-0.5, -0.5, -0.5], axis: [0.0, 0.0, 1.0], angle: deg(45) });",
@@ -169,13 +165,11 @@ fn rigid_box() -> Function {
             let (argument, origin) = (options.argument("size"), options.argument("origin").vector(3)?);
             let size = argument.vector(3)?;
             if size.iter().any(|&edge| edge <= 0.0) {
-                let failure =
-                    argument.fail(format!("{} must have three numbers greater than 0", argument.title())).code(causes::OUT_OF_RANGE);
+                let failure = argument.wrong(causes::OUT_OF_RANGE, "must have three numbers greater than 0");
                 return Err(failure.hint("`origin` is the lowest corner"));
             }
             let high = [0, 1, 2].map(|i| origin[i] + size[i]);
-            let given = options.argument("axis");
-            let axis = if given.is_given() { direction(&given)? } else { [0.0, 0.0, 1.0] };
+            let axis = options.argument("axis").given(direction)?.unwrap_or([0.0, 0.0, 1.0]);
             let angle = options.number("angle")?;
             let middle = [0, 1, 2].map(|i| origin[i] + 0.5 * size[i]);
             faceted(Facets::cuboid(origin, high).and_then(|facets| facets.turned(middle, axis, angle)), &argument)
@@ -186,27 +180,23 @@ fn rigid_box() -> Function {
 fn rigid_surface() -> Function {
     shape(
         "rigid_surface",
-        "a rigid surface of flat facets as the other side of a contact of bodies in space: from an STL or OBJ file or a mesh; \
-         bodies are on the side that its facets face. Faults of triangles with a unique repair are repaired, with a warning",
+        "a rigid surface of flat facets as the other side of a contact of bodies in space: from an STL or OBJ file or a mesh; bodies are \
+         on the side that its facets face. Faults of triangles with a unique repair are repaired, with a warning",
         vec![
-            Parameter::new("file", Kind::Text, "an `.stl` or `.obj` file, below the script's folder or a folder that `--allow-read` names")
-                .or(Absent::Means("a mesh is given")),
-            Parameter::new("mesh", Kind::Handle(MeshHandle::NAME), "a mesh in space").or(Absent::Means("a file is given")),
-            Parameter::new("boundary", Kind::Text, "the boundary of the mesh").or(Absent::Means("all of its hull")),
-            Parameter::number("scale", "1", Interval::Positive, "factor of all lengths, such as 1e-3 for a file in millimeters")
-                .or(Absent::Number(1.0)),
-            Parameter::new("offset", Kind::Vector, "where its origin is put, after it is scaled")
-                .of("length")
-                .or(Absent::Means("the origin")),
-            Parameter::new("inside", Kind::Flag, "whether bodies are on the other side, inside of a closed surface")
-                .or(Absent::Flag(false)),
+            Parameter::text("file", "an `.stl` or `.obj` file, below the script's folder or a folder that `--allow-read` names")
+                .otherwise("a mesh is given"),
+            Parameter::object::<MeshHandle>("mesh", "a mesh in space").otherwise("a file is given"),
+            Parameter::text("boundary", "the boundary of the mesh").otherwise("all of its hull"),
+            Parameter::number("scale", "1", Interval::Positive, "factor of all lengths, such as 1e-3 for a file in millimeters").or(1.0),
+            Parameter::vector("offset", "where its origin is put, after it is scaled").of("length").otherwise("the origin"),
+            Parameter::flag("inside", "whether bodies are on the other side, inside of a closed surface").or(false),
         ],
         Moves::Surface,
         "let die = rigid_surface(#{ mesh: block(#{ size: [1.0, 1.0, 0.2], cells: [4, 4, 1] }), boundary: \"top\" });",
         |options| {
             let (file, mesh) = (options.argument("file"), options.argument("mesh"));
             if file.is_given() == mesh.is_given() {
-                let failure = file.fail("`rigid_surface` takes either a `file` or a `mesh`").code(causes::OPTIONS_TOGETHER);
+                let failure = file.refuse(causes::OPTIONS_TOGETHER, "`rigid_surface` takes either a `file` or a `mesh`");
                 return Err(failure.hint("write `rigid_surface(#{ file: \"die.stl\" })`"));
             }
             let argument = if file.is_given() { &file } else { &mesh };
@@ -242,7 +232,7 @@ fn of_file(argument: &Argument) -> Result<Triangles, Failure> {
 fn of_mesh(options: &Options, argument: &Argument) -> Result<Triangles, Failure> {
     let mesh = argument.handle::<MeshHandle>()?.mesh();
     if mesh.dimension() != 3 {
-        let failure = argument.fail("a rigid surface needs a mesh in space").code(causes::DIMENSION);
+        let failure = argument.refuse(causes::DIMENSION, "a rigid surface needs a mesh in space");
         return Err(failure.label("this mesh is plane").hint("`extrude` makes a mesh in space of it"));
     }
     let name = options.argument("boundary");

@@ -3,14 +3,13 @@
 //! Every call that adds a pair checks the model at once. Suspicious definitions (a surface that faces away, a tie without nodes) are
 //! reported by `model.check()` and are warnings of `simulate`.
 
-use rhai::{Array, Dynamic};
-
 use super::friction::{friction_of, friction_parameter};
-use super::methods::{facets_of, facets_parameter, method_of, method_parameter, rule_parameters, rules_of, shape_parameters, shapes_of};
+use super::methods::{
+    chosen_method, facets_of, facets_parameter, method_parameter, rule_parameters, rules_of, shape_parameters, shapes_of,
+};
 use super::obstacles::ObstacleHandle;
 use crate::contact::Obstacle;
 use crate::dynamics::{BodyBoundary, Interaction, Partner};
-use crate::math::catalogue::Interval;
 use crate::mesh::Boundary;
 use crate::script::api::examples::{TOUCH, plate_example};
 use crate::script::api::models::arguments::{body_boundary, boundary_of};
@@ -27,58 +26,46 @@ pub fn functions() -> Vec<Function> {
 fn add_contact() -> Function {
     let [update, penalty, augmented] = rule_parameters();
     let [secondary_shape, primary_shape] = shape_parameters();
-    Function {
-        name: "add_contact",
-        form: Form::Method(ModelHandle::receiver()),
-        topic: Topic::Contact,
-        summary: "lets a boundary touch others, or a rigid obstacle, with friction or without",
-        parameters: vec![
-            name_parameter(),
+    method_of::<ModelHandle>(Topic::Contact, "add_contact")
+        .summary("lets a boundary touch others, or a rigid obstacle, with friction or without")
+        .parameters(vec![name_parameter(), Parameter::options("sides and method")])
+        .keys(vec![
             Parameter::new(
-                "options",
-                Kind::Options(vec![
-                    Parameter::new(
-                        "secondary",
-                        Kind::Either("a Boundary or an array of them"),
-                        "the side that carries the contact pressure (slave, nonmortar): one boundary, or several of one body",
-                    ),
-                    Parameter::new(
-                        "primary",
-                        Kind::Either("a Boundary, an array of them, or an Obstacle"),
-                        "the other side (master, mortar): one boundary, several of them as one surface, or a rigid obstacle",
-                    ),
-                    method_parameter(),
-                    facets_parameter(),
-                    secondary_shape,
-                    primary_shape,
-                    update,
-                    penalty,
-                    augmented,
-                    friction_parameter(),
-                    restitution_parameter(),
-                    Parameter::new(
-                        "equality",
-                        Kind::Flag,
-                        "whether every covered node is closed and tension allowed (the bilateral constraints of the paper); \
-                         its friction is bounded by the magnitude of the pressure, as in a guide with contact on both sides",
-                    )
-                    .or(Absent::Flag(false)),
-                ]),
-                "sides and method",
+                "secondary",
+                Kind::Either("a Boundary or an array of them"),
+                "the side that carries the contact pressure (slave, nonmortar): one boundary, or several of one body",
             ),
-        ],
-        returns: "",
-        example: plate_example(&format!(
-            "{TOUCH}press.add_contact(\"lid\", #{{ secondary: plate.boundary(\"top\"), primary: rigid_plane(#{{ point: [0.0, 1.1], \
-             normal: [0.0, -1.0] }}) }});"
-        )),
-        see_also: &["mortar", "rigid_plane", "add_self_contact", "tie"],
-        body: body(|call| {
-            let model = call.receiver::<ModelHandle>();
+            Parameter::new(
+                "primary",
+                Kind::Either("a Boundary, an array of them, or an Obstacle"),
+                "the other side (master, mortar): one boundary, several of them as one surface, or a rigid obstacle",
+            ),
+            method_parameter(),
+            facets_parameter(),
+            secondary_shape,
+            primary_shape,
+            update,
+            penalty,
+            augmented,
+            friction_parameter(),
+            restitution_parameter(),
+            Parameter::flag(
+                "equality",
+                "whether every covered node is closed and tension allowed (the bilateral constraints of the paper); its friction is \
+                     bounded by the magnitude of the pressure, as in a guide with contact on both sides",
+            )
+            .or(false),
+        ])
+        .see_also(&["mortar", "rigid_plane", "add_self_contact", "tie"])
+        .example(plate_example(&format!(
+            "{TOUCH}press.add_contact(\"lid\", #{{ secondary: plate.boundary(\"top\"), primary: rigid_plane(#{{ point: [0.0, 1.1], normal: \
+             [0.0, -1.0] }}) }});"
+        )))
+        .body(|call, model| {
             let (name, options) = (call.name("name")?, call.options("options")?);
             let secondary = secondary_of(call, &options.argument("secondary"), &model)?;
             let partner = partner_of(call, &options.argument("primary"), &model)?;
-            let (method, facets) = (method_of(&options)?, facets_of(&options)?);
+            let (method, facets) = (chosen_method(&options)?, facets_of(&options)?);
             let has_obstacle = matches!(partner, Partner::Obstacle { .. });
             let has_curves = {
                 let model = &model.0.borrow().model;
@@ -89,7 +76,7 @@ fn add_contact() -> Function {
             let ((update, enforcement), equality) = (rules_of(&options)?, options.flag("equality")?);
             let idle = if has_curves || has_arcs { &["method"][..] } else { &["method", "facets"] };
             if let Some(argument) = idle.iter().map(|name| options.argument(name)).find(|given| has_obstacle && given.is_given()) {
-                let failure = argument.fail(format!("{} has no meaning for a rigid obstacle", argument.title())).code(causes::BODY_KIND);
+                let failure = argument.wrong(causes::BODY_KIND, "has no meaning for a rigid obstacle");
                 let failure = failure.cause("an obstacle has no facets to integrate over: the gap of a node is its distance");
                 return Err(failure.hint("leave the option out").into());
             }
@@ -98,94 +85,69 @@ fn add_contact() -> Function {
                 Interaction { name, secondary, partner, method, facets, shapes, update, enforcement, equality, friction, restitution };
             add(call, &model, interaction)?;
             Ok(Dynamic::UNIT)
-        }),
-    }
+        })
 }
 
 fn add_self_contact() -> Function {
     let [update, penalty, augmented] = rule_parameters();
-    Function {
-        name: "add_self_contact",
-        form: Form::Method(ModelHandle::receiver()),
-        topic: Topic::Contact,
-        summary: "lets a boundary touch itself where it folds, with friction or without",
-        parameters: vec![
-            name_parameter(),
-            Parameter::new(
-                "options",
-                Kind::Options(vec![
-                    Parameter::new("surface", Kind::Handle(BoundaryHandle::NAME), "the boundary that may touch itself"),
-                    method_parameter(),
-                    facets_parameter(),
-                    update,
-                    penalty,
-                    augmented,
-                    friction_parameter(),
-                ]),
-                "surface and method",
-            ),
-        ],
-        returns: "",
-        example: plate_example("press.add_self_contact(\"fold\", #{ surface: plate.boundary(\"top\") });"),
-        see_also: &["add_contact"],
-        body: body(|call| {
-            let model = call.receiver::<ModelHandle>();
+    method_of::<ModelHandle>(Topic::Contact, "add_self_contact")
+        .summary("lets a boundary touch itself where it folds, with friction or without")
+        .parameters(vec![name_parameter(), Parameter::options("surface and method")])
+        .keys(vec![
+            Parameter::object::<BoundaryHandle>("surface", "the boundary that may touch itself"),
+            method_parameter(),
+            facets_parameter(),
+            update,
+            penalty,
+            augmented,
+            friction_parameter(),
+        ])
+        .see_also(&["add_contact"])
+        .example(plate_example("press.add_self_contact(\"fold\", #{ surface: plate.boundary(\"top\") });"))
+        .body(|call, model| {
             let (name, options) = (call.name("name")?, call.options("options")?);
             let surface = boundary_of(&options.argument("surface"), &model)?;
-            let (method, facets) = (method_of(&options)?, facets_of(&options)?);
+            let (method, facets) = (chosen_method(&options)?, facets_of(&options)?);
             let ((update, enforcement), friction) = (rules_of(&options)?, friction_of(&options)?);
             let touching = Interaction::new(&name, surface, Partner::Itself);
             add(call, &model, Interaction { method, facets, update, enforcement, friction, ..touching })?;
             Ok(Dynamic::UNIT)
-        }),
-    }
+        })
 }
 
 fn tie() -> Function {
-    Function {
-        name: "tie",
-        form: Form::Method(ModelHandle::receiver()),
-        topic: Topic::Contact,
-        summary: "holds two boundaries together although their meshes do not match",
-        parameters: vec![
-            name_parameter(),
-            Parameter::new(
-                "options",
-                Kind::Options(vec![
-                    Parameter::new("secondary", Kind::Handle(BoundaryHandle::NAME), "the side with the multipliers, better the finer one"),
-                    Parameter::new("primary", Kind::Handle(BoundaryHandle::NAME), "the other side"),
-                    Parameter::number("reach", "length", Interval::Positive, "the distance at rest within which the two are tied")
-                        .or(Absent::Means("half of the shortest secondary facet")),
-                ]),
-                "sides",
-            ),
-        ],
-        returns: "",
-        example: plate_example(
+    method_of::<ModelHandle>(Topic::Contact, "tie")
+        .summary("holds two boundaries together although their meshes do not match")
+        .parameters(vec![name_parameter(), Parameter::options("sides")])
+        .keys(vec![
+            Parameter::object::<BoundaryHandle>("secondary", "the side with the multipliers, better the finer one"),
+            Parameter::object::<BoundaryHandle>("primary", "the other side"),
+            Parameter::number("reach", "length", Interval::Positive, "the distance at rest within which the two are tied")
+                .otherwise("half of the shortest secondary facet"),
+        ])
+        .see_also(&["add_contact"])
+        .example(plate_example(
             "let lid = press.add_body(\"lid\", rectangle(#{ size: [2.0, 0.5], cells: [7, 1], origin: [0.0, 1.0] }), steel);\n\
              press.tie(\"weld\", #{ secondary: lid.boundary(\"bottom\"), primary: plate.boundary(\"top\") });",
-        ),
-        see_also: &["add_contact"],
-        body: body(|call| {
-            let model = call.receiver::<ModelHandle>();
+        ))
+        .body(|call, model| {
             let (name, options) = (call.name("name")?, call.options("options")?);
             let secondary = boundary_of(&options.argument("secondary"), &model)?;
             let to = boundary_of(&options.argument("primary"), &model)?;
             let reach = options.optional_number("reach")?;
             add(call, &model, Interaction::new(&name, secondary, Partner::Tied { to, reach }))?;
             Ok(Dynamic::UNIT)
-        }),
-    }
+        })
 }
 
 /// Restitution of the impacts of rigid bodies.
 fn restitution_parameter() -> Parameter {
     Parameter::number("restitution", "1", Interval::Closed(0.0, 1.0), "the coefficient of restitution of impacts between rigid sides")
-        .or(Absent::Means("1 with the update rules that keep the energy, `persistency` and `velocity`; 0 with `gap`"))
+        .otherwise("1 with the update rules that keep the energy, `persistency` and `velocity`; 0 with `gap`")
 }
 
 fn name_parameter() -> Parameter {
-    Parameter::new("name", Kind::Text, "its name, unique in the model")
+    Parameter::text("name", "its name, unique in the model")
 }
 
 /// Adds an interaction with its place in the script.
@@ -217,7 +179,7 @@ fn secondary_of(call: &Call, argument: &Argument, model: &ModelHandle) -> Result
     let sides = boundaries_of(call, argument, model)?;
     let body = sides[0].body;
     if sides.iter().any(|side| side.body != body) {
-        let failure = argument.fail(format!("{} has boundaries of several bodies", argument.title())).code(causes::OTHER_OWNER);
+        let failure = argument.wrong(causes::OTHER_OWNER, "has boundaries of several bodies");
         return Err(failure.hint("define a contact for each body; several bodies may be the `primary` side of each"));
     }
     let boundaries: Vec<Boundary> = sides.into_iter().map(|side| side.boundary).collect();
@@ -231,15 +193,14 @@ fn boundaries_of(call: &Call, argument: &Argument, model: &ModelHandle) -> Resul
     let mut surfaces = Vec::new();
     for entry in entries.iter() {
         let Some(boundary) = entry.clone().try_cast::<BoundaryHandle>() else {
-            let failure = argument.fail(format!("every entry of {} must be a Boundary", argument.title())).code(causes::WRONG_TYPE);
+            let failure = argument.refuse(causes::WRONG_TYPE, format!("every entry of {} must be a Boundary", argument.title()));
             let failure = failure.label(format!("this contains {}", describe(call.engine(), entry)));
             return Err(failure.hint("write `[first.boundary(\"top\"), second.boundary(\"top\")]`; an obstacle is a contact of its own"));
         };
         surfaces.push(body_boundary(argument, boundary, model)?);
     }
     if surfaces.is_empty() {
-        let failure = argument.fail(format!("{} is empty", argument.title())).code(causes::EMPTY);
-        return Err(failure.hint("name at least one boundary of a body"));
+        return Err(argument.wrong(causes::EMPTY, "is empty").hint("name at least one boundary of a body"));
     }
     Ok(surfaces)
 }

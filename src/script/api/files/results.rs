@@ -3,7 +3,6 @@
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 
-use rhai::{Array, Dynamic};
 use serde_json::Value;
 
 use crate::output::{Dimension, Unit};
@@ -47,33 +46,24 @@ impl Results {
 
 /// The function `result`.
 pub fn result() -> Function {
-    Function {
-        name: "result",
-        form: Form::Function,
-        topic: Topic::Parameters,
-        summary: "records a result of the script under a name: it is in `summary.json`, and a column of the table of `conserva sweep`",
-        parameters: vec![
-            Parameter::new(
-                "name",
-                Kind::Text,
-                "the result's name, with its unit if that helps; a further value of the same name replaces it",
-            ),
-            Parameter::new("value", Kind::Any, "a number, a text, `true` or `false`, or an array of these"),
-            Parameter::new(
+    function(Topic::Parameters, "result")
+        .summary("records a result of the script under a name: it is in `summary.json`, and a column of the table of `conserva sweep`")
+        .parameters(vec![
+            Parameter::text("name", "the result's name, with its unit if that helps; a further value of the same name replaces it"),
+            Parameter::any("value", "a number, a text, `true` or `false`, or an array of these"),
+            Parameter::text(
                 "unit",
-                Kind::Text,
                 "its unit, such as `\"MPa\"`, or its dimension, such as `\"stress\"` or `\"force / length\"`, whose unit is that of \
                  `units`: tables, pages and files of runs and studies name it",
             )
-            .or(Absent::Means("no unit is named")),
-        ],
-        returns: "",
-        example: "let peak = max([0.2, 0.7, 0.4]);\nresult(\"peak pressure\", peak, \"MPa\");".into(),
-        see_also: &["param", "units"],
-        body: body(|call| {
+            .otherwise("no unit is named"),
+        ])
+        .see_also(&["param", "units"])
+        .example("let peak = max([0.2, 0.7, 0.4]);\nresult(\"peak pressure\", peak, \"MPa\");")
+        .body(|call| {
             let (name, value) = (call.name("name")?, call.argument("value"));
             if name.trim().is_empty() {
-                let failure = call.argument("name").fail("`name` of `result` must be a word or a few").code(causes::WRONG_TYPE);
+                let failure = call.argument("name").refuse(causes::WRONG_TYPE, "`name` of `result` must be a word or a few");
                 return Err(failure.hint("write `result(\"peak pressure\", p)`, for example").into());
             }
             let Some(plain) = plain(&value.value()) else { return Err(refused(call, &value.value()).into()) };
@@ -85,8 +75,7 @@ pub fn result() -> Function {
             }
             call.host.slots.get::<Results>().note(&name, plain, unit_of(call)?);
             Ok(Dynamic::UNIT)
-        }),
-    }
+        })
 }
 
 /// Unit in the argument `unit` of a result or parameter; empty where none is given, or where that of a dimension is not declared.
@@ -101,17 +90,14 @@ pub fn unit_of(call: &Call) -> Result<String, Failure> {
     }
     match Unit::parse(&text) {
         Ok(_) => Ok(text),
-        Err(error) => {
-            Err(refused_unit(argument.fail(format!("{} cannot be \"{text}\": {error}", argument.title())).code(causes::WRONG_TYPE), &error))
-        }
+        Err(error) => Err(refused_unit(argument.wrong(causes::WRONG_TYPE, format!("cannot be \"{text}\": {error}")), &error)),
     }
 }
 
 fn refused(call: &Call, value: &Dynamic) -> Failure {
     let failure = call
         .argument("value")
-        .fail("`value` of `result` must be a number, a text, `true` or `false`, or an array of these")
-        .code(causes::WRONG_TYPE);
+        .refuse(causes::WRONG_TYPE, "`value` of `result` must be a number, a text, `true` or `false`, or an array of these");
     failure
         .label(format!("this is {}", describe(call.engine(), value)))
         .hint("give one number that represents it, such as the last of a column: `sim.history.total[-1]`")

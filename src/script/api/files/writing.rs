@@ -3,8 +3,6 @@
 use std::cell::{Cell, RefCell};
 use std::rc::Rc;
 
-use rhai::Dynamic;
-
 use super::failures::output_class;
 use super::run_folder::RunFolder;
 use super::shown::Pictures;
@@ -95,7 +93,7 @@ pub fn checked_path(call: &Call, endings: &[&str]) -> Result<String, Failure> {
         return Ok(path);
     }
     let quoted: Vec<String> = endings.iter().map(|ending| format!("`{ending}`")).collect();
-    let failure = argument.fail(format!("{} must end with {}", argument.title(), joined(&quoted, "or"))).code(causes::FILE);
+    let failure = argument.wrong(causes::FILE, format!("must end with {}", joined(&quoted, "or")));
     // Another extension in the name is replaced.
     let stem = path.rsplit_once('.').filter(|(stem, ending)| !stem.is_empty() && !ending.contains('/')).map_or(&*path, |(stem, _)| stem);
     let is_video = [".mp4", ".webm", ".avi", ".mov", ".mkv"].iter().any(|ending| path.ends_with(ending));
@@ -137,5 +135,5 @@ pub fn told(call: &Call, path: &str, written: Option<Result<(), OutputError>>) -
 
 /// A path below the output folder.
 pub fn path_parameter(summary: &'static str) -> Parameter {
-    Parameter::new("path", Kind::Text, summary)
+    Parameter::text("path", summary)
 }

@@ -1,10 +1,7 @@
 //! Behavior of a material: checks of its law, stresses in homogeneous tests, curves of these.
 
-use rhai::{Array, Dynamic};
-
 use super::handle::MaterialHandle;
 use crate::materials::{HomogeneousTest, Material, path};
-use crate::math::catalogue::Interval;
 use crate::output::{Curve, Plot, PlotAxis};
 use crate::script::api::files::writing::{path_parameter, write_drawing};
 use crate::script::language::digits::number_text;
@@ -31,47 +28,42 @@ pub fn functions() -> Vec<Function> {
 }
 
 fn stress(name: &'static str, piece: HomogeneousTest, summary: &'static str) -> Function {
-    Function {
-        name,
-        form: Form::Method(MaterialHandle::receiver()),
-        topic: Topic::Materials,
-        summary,
-        parameters: vec![Parameter::number("stretch", "1", Interval::Positive, "length over undeformed length")],
-        returns: "number",
-        example: format!("{RUBBER}print(rubber.{name}(1.5));").into(),
-        see_also: &["uniaxial", "equibiaxial", "pure_shear", "plot", "check"],
-        body: body(move |call| {
-            let (material, stretch) = (call.receiver::<MaterialHandle>().0, call.number("stretch")?);
+    method_of::<MaterialHandle>(Topic::Materials, name)
+        .summary(summary)
+        .parameters(vec![Parameter::number("stretch", "1", Interval::Positive, "length over undeformed length")])
+        .returns("number")
+        .see_also(&["uniaxial", "equibiaxial", "pure_shear", "plot", "check"])
+        .example(format!("{RUBBER}print(rubber.{name}(1.5));"))
+        .body(move |call, MaterialHandle(material)| {
+            let stretch = call.number("stretch")?;
             let way = way(stretch, 1);
             let states = path(&material, piece, &way);
             match states.last().filter(|_| states.len() == way.len()) {
                 Some(state) => Ok(Dynamic::from(state.nominal_stress)),
                 None => Err(unreached(call, &material, stretch, states.last().map_or(1.0, |state| state.stretch)).into()),
             }
-        }),
-    }
+        })
 }
 
 fn uniaxial_path() -> Function {
-    Function {
-        name: "uniaxial_path",
-        form: Form::Method(MaterialHandle::receiver()),
-        topic: Topic::Materials,
-        summary: "nominal stresses of a bar whose sides are free at stretches that it goes through one after the other, at rest: loading, \
-                  unloading and cycles of an elastic-plastic material; the path between two is divided into steps of a few percent",
-        parameters: vec![Parameter::new("stretches", Kind::Array, "lengths over the undeformed length")],
-        returns: "Array",
-        example: "let steel = elastic_plastic(#{ youngs_modulus: 210e3, poisson_ratio: 0.3, density: 7.85e-9, yield_stress: 235.0 });\n\
-                  print(steel.uniaxial_path([1.002, 1.0, 0.998, 1.002]));"
-            .into(),
-        see_also: &["uniaxial", "back_stress"],
-        body: body(move |call| {
-            let (material, argument) = (call.receiver::<MaterialHandle>().0, call.argument("stretches"));
+    method_of::<MaterialHandle>(Topic::Materials, "uniaxial_path")
+        .summary(
+            "nominal stresses of a bar whose sides are free at stretches that it goes through one after the other, at rest: loading, \
+             unloading and cycles of an elastic-plastic material; the path between two is divided into steps of a few percent",
+        )
+        .parameters(vec![Parameter::array("stretches", "lengths over the undeformed length")])
+        .returns("Array")
+        .see_also(&["uniaxial", "back_stress"])
+        .example(
+            "let steel = elastic_plastic(#{ youngs_modulus: 210e3, poisson_ratio: 0.3, density: 7.85e-9, yield_stress: 235.0 });\n\
+                  print(steel.uniaxial_path([1.002, 1.0, 0.998, 1.002]));",
+        )
+        .body(move |call, MaterialHandle(material)| {
+            let argument = call.argument("stretches");
             let stretches = argument.numbers()?;
             if let Some(stretch) = stretches.iter().find(|stretch| **stretch <= 0.0 || !stretch.is_finite()) {
                 return Err(argument
-                    .fail(format!("a stretch is {}, not greater than 0", number_text(*stretch)))
-                    .code(causes::OUT_OF_RANGE)
+                    .refuse(causes::OUT_OF_RANGE, format!("a stretch is {}, not greater than 0", number_text(*stretch)))
                     .into());
             }
             let (mut all, mut ends, mut last) = (Vec::new(), Vec::new(), 1.0);
@@ -88,8 +80,7 @@ fn uniaxial_path() -> Function {
                     Err(unreached(call, &material, stretches[missing], reached).into())
                 }
             }
-        }),
-    }
+        })
 }
 
 fn unreached(call: &Call, material: &Material, stretch: f64, last: f64) -> Failure {
@@ -106,67 +97,60 @@ fn way(stretch: f64, points: usize) -> Vec<f64> {
 }
 
 fn check() -> Function {
-    Function {
-        name: "check",
-        form: Form::Method(MaterialHandle::receiver()),
-        topic: Topic::Materials,
-        summary: "the faults of a material's law, an array of sentences, empty for a sound law: stress or energy at rest, \
-                  stiffness at rest that is not positive, ellipticity that is lost on the way to a stretch of 4 or 1/4 in uniaxial, \
-                  equibiaxial and pure-shear tests",
-        parameters: Vec::new(),
-        returns: "Array",
-        example: "let soft = hyperelastic(#{ energy: \"mu/2*(I1 - 3)\", volumetric: \"10*mu*(J - 1)^2\", mu: 1.0, density: 1.0 });\n\
-                  print(soft.check());"
-            .into(),
-        see_also: &["hyperelastic", "plot"],
-        body: body(|call| {
-            let material = call.receiver::<MaterialHandle>().0;
+    method_of::<MaterialHandle>(Topic::Materials, "check")
+        .summary(
+            "the faults of a material's law, an array of sentences, empty for a sound law: stress or energy at rest, stiffness at rest \
+             that is not positive, ellipticity that is lost on the way to a stretch of 4 or 1/4 in uniaxial, equibiaxial and pure-shear \
+             tests",
+        )
+        .returns("Array")
+        .see_also(&["hyperelastic", "plot"])
+        .example(
+            "let soft = hyperelastic(#{ energy: \"mu/2*(I1 - 3)\", volumetric: \"10*mu*(J - 1)^2\", mu: 1.0, density: 1.0 });\n\
+                  print(soft.check());",
+        )
+        .body(|_, MaterialHandle(material)| {
             let sentences: Array = material.weaknesses().iter().map(|weakness| Dynamic::from(weakness.to_string())).collect();
             Ok(Dynamic::from(sentences))
-        }),
-    }
+        })
 }
 
 fn plot() -> Function {
     let keys = vec![
-        Parameter::new("stretches", Kind::Array, "least and greatest stretch, around 1").or(Absent::Means("[0.5, 3]")),
-        Parameter::new("title", Kind::Text, "the text above").or(Absent::Means("name of the law")),
-        Parameter::new("y_label", Kind::Text, "the label of the vertical axis, with your unit").or(Absent::Text("nominal stress")),
+        Parameter::array("stretches", "least and greatest stretch, around 1").otherwise("[0.5, 3]"),
+        Parameter::text("title", "the text above").otherwise("name of the law"),
+        Parameter::text("y_label", "the label of the vertical axis, with your unit").or("nominal stress"),
     ];
-    Function {
-        name: "plot",
-        form: Form::Method(MaterialHandle::receiver()),
-        topic: Topic::Materials,
-        summary: "plots nominal stress over stretch in uniaxial, equibiaxial and pure-shear tests with free faces, as SVG or PNG; a curve \
-                  ends where the law has no state",
-        parameters: vec![
+    method_of::<MaterialHandle>(Topic::Materials, "plot")
+        .summary(
+            "plots nominal stress over stretch in uniaxial, equibiaxial and pure-shear tests with free faces, as SVG or PNG; a curve ends \
+             where the law has no state",
+        )
+        .parameters(vec![
             path_parameter("an `.svg` or `.png` file below the output folder"),
-            Parameter::new("options", Kind::Options(keys), "stretches and labels").or(Absent::Means("stretches from 0.5 to 3")),
-        ],
-        returns: "",
-        example: format!("{RUBBER}rubber.plot(\"rubber.svg\", #{{ stretches: [0.7, 2.0], y_label: \"nominal stress [MPa]\" }});").into(),
-        see_also: &["uniaxial", "equibiaxial", "pure_shear", "check"],
-        body: body(|call| {
-            let (material, options) = (call.receiver::<MaterialHandle>().0, call.options("options")?);
+            Parameter::options("stretches and labels").otherwise("stretches from 0.5 to 3").keys(keys),
+        ])
+        .see_also(&["uniaxial", "equibiaxial", "pure_shear", "check"])
+        .example(format!("{RUBBER}rubber.plot(\"rubber.svg\", #{{ stretches: [0.7, 2.0], y_label: \"nominal stress [MPa]\" }});"))
+        .body(|call, MaterialHandle(material)| {
+            let options = call.options("options")?;
             let given = options.argument("stretches");
             let [low, high] = match given.is_given() {
                 false => STRETCHES,
                 true => match given.numbers_of(2)?[..] {
                     [low, high] if 0.0 < low && low <= 1.0 && 1.0 <= high && low < high => [low, high],
                     _ => {
-                        let failure = given.fail(format!("{} must go from at most 1 to at least 1", given.title())).code(causes::ORDER);
+                        let failure = given.wrong(causes::ORDER, "must go from at most 1 to at least 1");
                         return Err(failure.label("not around 1").hint("write `stretches: [0.5, 3.0]`").into());
                     }
                 },
             };
-            let title = options.argument("title");
-            let title = if title.is_given() { title.text()? } else { material.name().replace('_', " ") };
+            let title = options.argument("title").given(Argument::text)?.unwrap_or_else(|| material.name().replace('_', " "));
             let y = PlotAxis { included: Some(0.0), ..PlotAxis::new(options.text("y_label")?) };
             let curves = HomogeneousTest::ALL.into_iter().map(|(name, piece)| curve(&material, name, piece, [low, high])).collect();
             let plot = Plot { title, x: PlotAxis::new("stretch"), y, curves, ..Plot::default() };
             Ok(write_drawing(call, None, || Ok(plot.draw()))?)
-        }),
-    }
+        })
 }
 
 /// Nominal stress over stretch, from the least stretch to the greatest.

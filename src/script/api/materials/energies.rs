@@ -2,11 +2,8 @@
 //!
 //! A mistake is shown within the energy's text, if the text is a literal of the script.
 
-use rhai::{Array, Dynamic};
-
 use super::handle::MaterialHandle;
 use crate::materials::{EnergyError, EnergyText, Material, MaterialError, StoredEnergy, functions_of_energies, quantities_of_energies};
-use crate::math::catalogue::Interval;
 use crate::script::language::digits::number_text;
 use crate::script::language::prelude::*;
 use crate::script::language::sources::SourceSpan;
@@ -19,35 +16,34 @@ pub fn functions() -> Vec<Function> {
 }
 
 fn hyperelastic() -> Function {
-    let optional = |name, kind, summary| Parameter::new(name, kind, summary).or(Absent::Means("none"));
+    let optional = |name, kind, summary| Parameter::new(name, kind, summary).otherwise("none");
     let keys = vec![
-        Parameter::new("energy", Kind::Text, "the energy per undeformed volume, of invariants, fibers and named constants").of("stress"),
+        Parameter::text("energy", "the energy per undeformed volume, of invariants, fibers and named constants").of("stress"),
         optional("volumetric", Kind::Text, "a part of it that depends on `J` alone, for elements with mean dilatation").of("stress"),
         optional("fiber", Kind::Array, "direction of the fiber whose squared stretch is `I4`, `[x, y]` or `[x, y, z]`"),
         optional("fibers", Kind::Array, "directions of the fibers of `I4` and `I6`, `[[x, y], [x, y]]`"),
         Parameter::number("density", "mass/volume", Interval::Positive, "mass per undeformed volume"),
     ];
-    Function {
-        name: "hyperelastic",
-        form: Form::Function,
-        topic: Topic::Materials,
-        summary: "a material from its stored energy as text, such as `\"mu/2*(I1bar - 3)\"`: quantities are `I1 I2 I3 J I1bar I2bar`, \
-                  `I4 I6 I4bar I6bar` of fibers, `E11 E22 E33 E12 E23 E13` and `log_strain_squared`; functions `ln exp sqrt pow sinh \
-                  cosh tanh abs max min`, `pos(x)` for `max(x, 0)` and `stretch_power(a)` for `l1^a + l2^a + l3^a`; every other name is \
-                  a constant, whose value is one more option",
-        parameters: vec![Parameter::new("options", Kind::OpenOptions(keys), "the energy, its constants and the density")],
-        returns: MaterialHandle::NAME,
-        example: "let rubber = hyperelastic(#{ energy: \"mu/2*(I1 - 3 - 2*ln(J))\", volumetric: \"lambda/2*ln(J)^2\",\n    \
+    function(Topic::Materials, "hyperelastic")
+        .summary(
+            "a material from its stored energy as text, such as `\"mu/2*(I1bar - 3)\"`: quantities are `I1 I2 I3 J I1bar I2bar`, `I4 I6 \
+             I4bar I6bar` of fibers, `E11 E22 E33 E12 E23 E13` and `log_strain_squared`; functions `ln exp sqrt pow sinh cosh tanh abs max \
+             min`, `pos(x)` for `max(x, 0)` and `stretch_power(a)` for `l1^a + l2^a + l3^a`; every other name is a constant, whose value \
+             is one more option",
+        )
+        .parameters(vec![Parameter::new("options", Kind::OpenOptions(keys), "the energy, its constants and the density")])
+        .returns(MaterialHandle::NAME)
+        .see_also(&["neo_hookean", "add_body"])
+        .example(
+            "let rubber = hyperelastic(#{ energy: \"mu/2*(I1 - 3 - 2*ln(J))\", volumetric: \"lambda/2*ln(J)^2\",\n    \
                   mu: 400.0, lambda: 600.0, density: 1000.0 });\n\
                   let tissue = hyperelastic(#{ energy: \"mu/2*(I1bar - 3) + k*pos(I4 - 1)^2\", volumetric: \"5*mu*(J - 1)^2\",\n    \
-                  fiber: [1, 1], mu: 10.0, k: 50.0, density: 1000.0 });"
-            .into(),
-        see_also: &["neo_hookean", "add_body"],
-        body: body(|call| {
+                  fiber: [1, 1], mu: 10.0, k: 50.0, density: 1000.0 });",
+        )
+        .body(|call| {
             let options = call.options("options")?;
             let energy = text_of(&options.argument("energy"))?;
-            let volumetric = options.argument("volumetric");
-            let volumetric = if volumetric.is_given() { Some(text_of(&volumetric)?) } else { None };
+            let volumetric = options.argument("volumetric").given(text_of)?;
             let constants = constants_of(call, &options, &energy, volumetric.as_ref())?;
             let stored = StoredEnergy { energy, volumetric, fibers: fibers_of(&options)?, constants, factor: 1.0 };
             let material = Material::hyperelastic(stored, options.number("density")?).map_err(|error| match error {
@@ -61,8 +57,7 @@ fn hyperelastic() -> Function {
                 }
             })?;
             Ok(Dynamic::from(MaterialHandle(material)))
-        }),
-    }
+        })
 }
 
 /// Stored energy given as text in an argument.
@@ -120,8 +115,7 @@ fn constants_of(
         }
         let number = as_number(&value).filter(|number| number.is_finite()).ok_or_else(|| {
             let failure = call
-                .fail(format!("the constant `{key}` of the energy must be a finite number"))
-                .code(causes::OUT_OF_RANGE)
+                .refuse(causes::OUT_OF_RANGE, format!("the constant `{key}` of the energy must be a finite number"))
                 .at(options.target_of(&key, true));
             failure.label(format!("this is {}", describe(call.engine(), &value)))
         })?;
@@ -132,8 +126,7 @@ fn constants_of(
 
 /// Failure of a key that occurs in no text of the energy.
 fn unused(call: &Call, options: &Options, key: &str, named: &[String]) -> Failure {
-    let failure =
-        call.fail(format!("`hyperelastic` has no option `{key}`, and the energy names no constant `{key}`")).code(causes::NO_SUCH);
+    let failure = call.refuse(causes::NO_SUCH, format!("`hyperelastic` has no option `{key}`, and the energy names no constant `{key}`"));
     let failure = failure.at(options.target_of(key, false)).label("names nothing");
     let failure = match named {
         [] => failure.cause("the energy names no constants"),
@@ -153,22 +146,20 @@ fn fibers_of(options: &Options) -> Result<Vec<[f64; 3]>, Failure> {
         (false, false) => Ok(Vec::new()),
         (true, false) => Ok(vec![direction(&one, &one.array()?)?]),
         (true, true) => {
-            Err(several.fail("`fiber` and `fibers` are both given").code(causes::OPTIONS_TOGETHER).hint("give all directions in `fibers`"))
+            Err(several.refuse(causes::OPTIONS_TOGETHER, "`fiber` and `fibers` are both given").hint("give all directions in `fibers`"))
         }
         (false, true) => {
             let list = several.array()?;
             if list.len() > 2 {
                 let failure = several
-                    .fail("`fibers` of `hyperelastic` must have at most two directions")
-                    .code(causes::COUNT)
+                    .refuse(causes::COUNT, "`fibers` of `hyperelastic` must have at most two directions")
                     .label(format!("this has {}", list.len()));
                 return Err(failure.cause("`I4` belongs to the first of them and `I6` to the second"));
             }
             let entry = |entry: &Dynamic| match entry.read_lock::<Array>() {
                 Some(numbers) => direction(&several, &numbers),
                 None => Err(several
-                    .fail("every entry of `fibers` must be a direction")
-                    .code(causes::NO_DIRECTION)
+                    .refuse(causes::NO_DIRECTION, "every entry of `fibers` must be a direction")
                     .hint("write `fibers: [[1, 0], [0, 1]]`")),
             };
             list.iter().map(entry).collect()
@@ -178,8 +169,7 @@ fn fibers_of(options: &Options) -> Result<Vec<[f64; 3]>, Failure> {
 
 fn direction(argument: &Argument, numbers: &Array) -> Result<[f64; 3], Failure> {
     let numbers: Option<Vec<f64>> = numbers.iter().map(|number| as_number(number).filter(|number| number.is_finite())).collect();
-    let wrong =
-        || argument.fail("a fiber's direction must be two or three numbers").code(causes::COUNT).hint("write `[x, y]` or `[x, y, z]`");
+    let wrong = || argument.refuse(causes::COUNT, "a fiber's direction must be two or three numbers").hint("write `[x, y]` or `[x, y, z]`");
     let mut direction = [0.0; 3];
     match numbers {
         Some(numbers) if (2..=3).contains(&numbers.len()) => direction[..numbers.len()].copy_from_slice(&numbers),
@@ -189,8 +179,5 @@ fn direction(argument: &Argument, numbers: &Array) -> Result<[f64; 3], Failure> 
     if length > 0.0 && length.is_finite() {
         return Ok(direction);
     }
-    Err(argument
-        .fail("a fiber's direction must have a length")
-        .code(causes::NO_DIRECTION)
-        .label(format!("this has {}", number_text(length))))
+    Err(argument.refuse(causes::NO_DIRECTION, "a fiber's direction must have a length").label(format!("this has {}", number_text(length))))
 }

@@ -1,7 +1,5 @@
 //! `fit`: constants of a law from measured stresses, with a plot of both.
 
-use rhai::{Array, Dynamic, Map};
-
 use super::energies::refused;
 use crate::machine::files;
 use crate::materials::{CATALOGUE, EnergyError, EnergyText, Fit, FitError, HYPERELASTIC, HomogeneousTest, Measured, StoredEnergy, fit};
@@ -24,11 +22,11 @@ const TESTS: [(&str, &str, HomogeneousTest); 3] = [
 const POINTS: usize = 100;
 
 /// Function `fit` of scripts.
-pub fn function() -> Function {
+pub fn fit_function() -> Function {
     let test = |name, summary| {
-        Parameter::new(name, Kind::Either("a file's path or an array of pairs `[stretch, stress]`"), summary).or(Absent::Means("none"))
+        Parameter::new(name, Kind::Either("a file's path or an array of pairs `[stretch, stress]`"), summary).otherwise("none")
     };
-    let map = |name, summary| Parameter::new(name, Kind::Any, summary).or(Absent::Means("none"));
+    let map = |name, summary| Parameter::any(name, summary).otherwise("none");
     let keys = vec![
         test("uniaxial", "a table of stretch and nominal stress (force per undeformed area) of a bar that is pulled or pressed"),
         test("equibiaxial", "the same of a sheet that is pulled alike in two directions"),
@@ -36,26 +34,26 @@ pub fn function() -> Function {
         map("start", "values of constants to begin with, `#{ alpha1: 2.0 }`; moduli need none"),
         map("fixed", "values of constants that are known, `#{ mu3: 0.0 }`"),
     ];
-    Function {
-        name: "fit",
-        form: Form::Function,
-        topic: Topic::Materials,
-        summary: "constants of a law by least squares of measured nominal stresses, the material being incompressible: a map with the \
-                  `constants`, the root-mean-square difference `rms` and `r_squared`. A table is a file with a line for each point, \
-                  stretch (strain, if the header says so) and stress; a plot shows both",
-        parameters: vec![
-            Parameter::new("law", Kind::Text, "name of a law with a `bulk_modulus`, or an energy as text as for `hyperelastic`"),
-            Parameter::new("tests", Kind::Options(keys), "what was measured"),
-            path_parameter("an `.svg` or `.png` file below the output folder for the plot").or(Absent::Means("no plot")),
-        ],
-        returns: "Map",
-        example: "let tests = #{ uniaxial: [[1.2, 0.17], [1.5, 0.36], [2.0, 0.57], [3.0, 0.87]] };\n\
+    function(Topic::Materials, "fit")
+        .summary(
+            "constants of a law by least squares of measured nominal stresses, the material being incompressible: a map with the \
+             `constants`, the root-mean-square difference `rms` and `r_squared`. A table is a file with a line for each point, stretch \
+             (strain, if the header says so) and stress; a plot shows both",
+        )
+        .parameters(vec![
+            Parameter::text("law", "name of a law with a `bulk_modulus`, or an energy as text as for `hyperelastic`"),
+            Parameter::map("tests", "what was measured").keys(keys),
+            path_parameter("an `.svg` or `.png` file below the output folder for the plot").otherwise("no plot"),
+        ])
+        .returns("Map")
+        .see_also(&["hyperelastic", "ogden", "yeoh", "uniaxial"])
+        .example(
+            "let tests = #{ uniaxial: [[1.2, 0.17], [1.5, 0.36], [2.0, 0.57], [3.0, 0.87]] };\n\
                   let found = fit(\"mooney_rivlin\", tests, \"fit.svg\");\n\
                   let rubber = mooney_rivlin(found.constants + #{ bulk_modulus: 100.0, density: 1e-9 });\n\
-                  print(found.rms);"
-            .into(),
-        see_also: &["hyperelastic", "ogden", "yeoh", "uniaxial"],
-        body: body(|call| {
+                  print(found.rms);",
+        )
+        .body(|call| {
             let options = call.options("tests")?;
             let measured = measured(call, &options)?;
             let law = Law::new(call)?;
@@ -64,8 +62,7 @@ pub fn function() -> Function {
             if free.is_empty() {
                 return Err(call
                     .argument("law")
-                    .fail("the law has no constant to find")
-                    .code(causes::NO_SUCH)
+                    .refuse(causes::NO_SUCH, "the law has no constant to find")
                     .hint("name constants in the energy")
                     .into());
             }
@@ -80,8 +77,7 @@ pub fn function() -> Function {
                 drop(write_drawing(call, None, || Ok(plot.draw()))?);
             }
             Ok(Dynamic::from(described(&free, &fixed, &found)))
-        }),
-    }
+        })
 }
 
 fn described(free: &[&String], fixed: &[(String, f64)], found: &Fit) -> Map {
@@ -162,20 +158,17 @@ fn known(options: &Options, key: &str, law: &Law) -> Result<Vec<(String, f64)>, 
     }
     let value = argument.value();
     let Some(map) = value.read_lock::<Map>() else {
-        return Err(argument
-            .fail(format!("{} must be an object map", argument.title()))
-            .code(causes::WRONG_TYPE)
-            .hint("write `#{ name: value }`"));
+        return Err(argument.wrong(causes::WRONG_TYPE, "must be an object map").hint("write `#{ name: value }`"));
     };
     let entry = |(name, value): (&rhai::Identifier, &Dynamic)| {
         if !law.names.iter().any(|known| known == name.as_str()) {
-            let failure = argument.fail(format!("the law has no constant `{name}`")).code(causes::NO_SUCH);
+            let failure = argument.refuse(causes::NO_SUCH, format!("the law has no constant `{name}`"));
             let failure = failure.cause(format!("its constants are {}", listed(&law.names, "and")));
             return Err(failure.hint(did_you_mean(name, law.names.iter().map(String::as_str)).unwrap_or_else(|| "remove it".into())));
         }
         match as_number(value).filter(|number| number.is_finite()) {
             Some(number) => Ok((name.to_string(), number)),
-            None => Err(argument.fail(format!("`{name}` of {} must be a finite number", argument.title())).code(causes::OUT_OF_RANGE)),
+            None => Err(argument.refuse(causes::OUT_OF_RANGE, format!("`{name}` of {} must be a finite number", argument.title()))),
         }
     };
     map.iter().map(entry).collect()
@@ -192,7 +185,7 @@ fn measured(call: &Call, options: &Options) -> Result<Vec<Measured>, Failure> {
         }
     }
     if all.is_empty() {
-        return Err(call.fail("`fit` has no test to fit to").code(causes::EMPTY).hint("give a table, `#{ uniaxial: \"uniaxial.csv\" }`"));
+        return Err(call.refuse(causes::EMPTY, "`fit` has no test to fit to").hint("give a table, `#{ uniaxial: \"uniaxial.csv\" }`"));
     }
     Ok(all)
 }
@@ -200,10 +193,7 @@ fn measured(call: &Call, options: &Options) -> Result<Vec<Measured>, Failure> {
 fn sound(argument: &Argument, points: Vec<[f64; 2]>) -> Result<Vec<[f64; 2]>, Failure> {
     match points.iter().find(|point| point[0] <= 0.0 || !point.iter().all(|x| x.is_finite())) {
         Some([stretch, _]) => {
-            let failure = argument
-                .fail(format!("{} must have positive stretches", argument.title()))
-                .code(causes::OUT_OF_RANGE)
-                .label(format!("this has {stretch}"));
+            let failure = argument.wrong(causes::OUT_OF_RANGE, "must have positive stretches").label(format!("this has {stretch}"));
             Err(failure.hint("a stretch is the length over the undeformed length; write strains under a header with `strain`"))
         }
         None => Ok(points),
@@ -221,11 +211,8 @@ fn pairs(argument: &Argument) -> Result<Vec<[f64; 2]>, Failure> {
     match points.filter(|points| !points.is_empty()) {
         Some(points) => sound(argument, points),
         None => {
-            let failure = argument
-                .fail(format!("{} must be a file's path or an array of pairs of numbers", argument.title()))
-                .code(causes::WRONG_TYPE);
-            let failure = failure.label(format!("this is {}", describe(argument.call().engine(), &value)));
-            Err(failure.hint("write `[[1.1, 0.14], [1.5, 0.36]]`"))
+            let failure = argument.wrong(causes::WRONG_TYPE, "must be a file's path or an array of pairs of numbers");
+            Err(failure.label(format!("this is {}", describe(argument.call().engine(), &value))).hint("write `[[1.1, 0.14], [1.5, 0.36]]`"))
         }
     }
 }
@@ -239,8 +226,8 @@ fn read(call: &Call, argument: &Argument) -> Result<Vec<[f64; 2]>, Failure> {
         hints.iter().fold(failure, |failure, hint| failure.hint(hint.clone()))
     };
     let file = call.host.sandbox.readable(&path).map_err(again)?;
-    let text = files::read_text(&file)
-        .map_err(|error| argument.fail(format!("\"{path}\" cannot be read: {}", reason(&error))).code(causes::FILE))?;
+    let text =
+        files::read_text(&file).map_err(|error| argument.refuse(causes::FILE, format!("\"{path}\" cannot be read: {}", reason(&error))))?;
     let (mut points, mut is_strain) = (Vec::new(), false);
     for (index, line) in text.lines().enumerate() {
         let line = line.split('#').next().unwrap_or("").trim();
@@ -251,15 +238,14 @@ fn read(call: &Call, argument: &Argument) -> Result<Vec<[f64; 2]>, Failure> {
             Some(numbers) if numbers.len() == 2 => points.push([numbers[0] + if is_strain { 1.0 } else { 0.0 }, numbers[1]]),
             None if points.is_empty() && !is_strain => is_strain = line.to_lowercase().contains("strain"),
             _ => {
-                let failure = argument.fail(format!("line {} of \"{path}\" has no two numbers", index + 1)).code(causes::FILE);
+                let failure = argument.refuse(causes::FILE, format!("line {} of \"{path}\" has no two numbers", index + 1));
                 return Err(failure.cause(format!("it reads `{line}`")).hint("write a stretch and a nominal stress in each line"));
             }
         }
     }
     if points.is_empty() {
         return Err(argument
-            .fail(format!("\"{path}\" has no points"))
-            .code(causes::EMPTY)
+            .refuse(causes::EMPTY, format!("\"{path}\" has no points"))
             .hint("write a stretch and a nominal stress in each line"));
     }
     sound(argument, points)

@@ -20,6 +20,6 @@ pub fn functions() -> Vec<Function> {
     all.extend(behavior::functions());
     all.extend(viscosity::functions());
     all.extend(plasticity::functions());
-    all.push(fitting::function());
+    all.push(fitting::fit_function());
     all
 }

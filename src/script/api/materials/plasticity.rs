@@ -1,10 +1,7 @@
 //! Elastic-plastic materials: `elastic_plastic`, its back stresses and rate dependence, and hardening curves from tests.
 
-use rhai::{Array, Dynamic, Map};
-
 use super::handle::MaterialHandle;
 use crate::materials::{BackStress, ElasticPlastic, Hardening, Material, MaterialError, PlasticityError, RateDependence};
-use crate::math::catalogue::Interval;
 use crate::script::language::diagnostics::Diagnostic;
 use crate::script::language::digits::number_text;
 use crate::script::language::prelude::*;
@@ -22,34 +19,29 @@ pub fn functions() -> Vec<Function> {
 }
 
 fn elastic_plastic() -> Function {
-    Function {
-        name: "elastic_plastic",
-        form: Form::Function,
-        topic: Topic::Materials,
-        summary: "a metal: Hencky's law up to a yield stress (von Mises), then plastic flow with hardening; plastic work turns into heat, \
-                  column `BODY.plastic_work` since the start; field `plastic_strain`. Cells have a mean dilatation by default. \
-                  Formulas: `docs/tasks/plasticity.md`",
-        parameters: vec![Parameter::new(
-            "options",
-            Kind::Options(vec![
-                Parameter::number("youngs_modulus", "stress", Interval::Positive, "stiffness in uniaxial tension"),
-                Parameter::number("poisson_ratio", "1", Interval::Open(-1.0, 0.5), "lateral contraction over extension"),
-                Parameter::number("density", "mass/volume", Interval::Positive, "mass per undeformed volume"),
-                Parameter::number("yield_stress", "stress", Interval::Positive, "true stress in tension at which flow begins")
-                    .or(Absent::Means("the first of the points of `hardening`")),
-                Parameter::new("hardening", Kind::Either(FORMS), "the yield stress as a function of the plastic strain")
-                    .or(Absent::Means("perfect plasticity")),
-            ]),
-            "the constants",
-        )],
-        returns: MaterialHandle::NAME,
-        example: format!(
+    function(Topic::Materials, "elastic_plastic")
+        .summary(
+            "a metal: Hencky's law up to a yield stress (von Mises), then plastic flow with hardening; plastic work turns into heat, \
+             column `BODY.plastic_work` since the start; field `plastic_strain`. Cells have a mean dilatation by default. Formulas: \
+             `docs/tasks/plasticity.md`",
+        )
+        .parameters(vec![Parameter::options("the constants")])
+        .keys(vec![
+            Parameter::number("youngs_modulus", "stress", Interval::Positive, "stiffness in uniaxial tension"),
+            Parameter::number("poisson_ratio", "1", Interval::Open(-1.0, 0.5), "lateral contraction over extension"),
+            Parameter::number("density", "mass/volume", Interval::Positive, "mass per undeformed volume"),
+            Parameter::number("yield_stress", "stress", Interval::Positive, "true stress in tension at which flow begins")
+                .otherwise("the first of the points of `hardening`"),
+            Parameter::new("hardening", Kind::Either(FORMS), "the yield stress as a function of the plastic strain")
+                .otherwise("perfect plasticity"),
+        ])
+        .returns(MaterialHandle::NAME)
+        .see_also(&["back_stress", "rate_dependent", "hardening_curve"])
+        .example(format!(
             "{STEEL}let aluminum = elastic_plastic(#{{ youngs_modulus: 70e3, poisson_ratio: 0.33, density: 2.7e-9,\n    \
              hardening: [[0.0, 120.0], [0.02, 160.0], [0.1, 200.0]] }});"
-        )
-        .into(),
-        see_also: &["back_stress", "rate_dependent", "hardening_curve"],
-        body: body(|call| {
+        ))
+        .body(|call| {
             let options = call.options("options")?;
             let (given, hardening) = (options.argument("yield_stress"), options.argument("hardening"));
             let law = if hardening.is_given() { hardening_of(&hardening)? } else { Hardening::NONE };
@@ -76,8 +68,7 @@ fn elastic_plastic() -> Function {
                 rate: RateDependence::None,
             };
             made(&constants, &hardening)
-        }),
-    }
+        })
 }
 
 /// Warns of a decreasing yield stress: plastic flow then localizes in bands as narrow as the mesh allows.
@@ -122,9 +113,10 @@ fn hardening_of(argument: &Argument) -> Result<Hardening, Failure> {
     let mut numbers = Vec::new();
     for (key, value) in map.iter() {
         let number = as_number(value).ok_or_else(|| {
-            argument
-                .fail(format!("`{key}` of `hardening` is {}, not a number", described(argument.call().engine(), value)))
-                .code(causes::WRONG_TYPE)
+            argument.refuse(
+                causes::WRONG_TYPE,
+                format!("`{key}` of `hardening` is {}, not a number", described(argument.call().engine(), value)),
+            )
         })?;
         numbers.push((key.as_str(), number));
     }
@@ -138,8 +130,7 @@ fn hardening_of(argument: &Argument) -> Result<Hardening, Failure> {
         _ => {
             let keys: Vec<String> = numbers.iter().map(|(key, _)| format!("`{key}`")).collect();
             Err(argument
-                .fail(format!("no hardening has the constants {}", keys.join(", ")))
-                .code(causes::NO_SUCH)
+                .refuse(causes::NO_SUCH, format!("no hardening has the constants {}", keys.join(", ")))
                 .hint("Voce: `#{ saturation, exponent, modulus }`; Swift: `#{ strain, exponent }`; Ludwik: `#{ modulus, exponent }`"))
         }
     }
@@ -151,9 +142,10 @@ fn points_of(argument: &Argument, points: &Array) -> Result<Vec<[f64; 2]>, Failu
         let both = value.read_lock::<Array>().map(|pair| pair.iter().filter_map(as_number).collect::<Vec<f64>>());
         match both.as_deref() {
             Some(&[strain, stress]) => Ok([strain, stress]),
-            _ => Err(argument
-                .fail(format!("entry {} is {}, not a pair of numbers", index + 1, described(argument.call().engine(), value)))
-                .code(causes::WRONG_TYPE)),
+            _ => Err(argument.refuse(
+                causes::WRONG_TYPE,
+                format!("entry {} is {}, not a pair of numbers", index + 1, described(argument.call().engine(), value)),
+            )),
         }
     };
     points.iter().enumerate().map(pair).collect()
@@ -163,69 +155,54 @@ fn points_of(argument: &Argument, points: &Array) -> Result<Vec<[f64; 2]>, Failu
 fn receiver(call: &Call) -> Result<ElasticPlastic, Failure> {
     let MaterialHandle(material) = call.receiver();
     material.plasticity().cloned().ok_or_else(|| {
-        call.fail(format!("`{}` does not flow plastically", material.name()))
-            .code(causes::BODY_KIND)
+        call.refuse(causes::BODY_KIND, format!("`{}` does not flow plastically", material.name()))
             .hint("make the material with `elastic_plastic`")
     })
 }
 
 fn back_stress() -> Function {
-    Function {
-        name: "back_stress",
-        form: Form::Method(MaterialHandle::receiver()),
-        topic: Topic::Materials,
-        summary: "the elastic-plastic material with one more back stress (kinematic hardening): dX = 2/3 modulus dep - recovery X d alpha, \
-                  Prager's without recovery, Armstrong and Frederick's with it; there may be four (Chaboche)",
-        parameters: vec![Parameter::new(
-            "options",
-            Kind::Options(vec![
-                Parameter::number("modulus", "stress", Interval::Positive, "its slope per plastic strain in uniaxial tension"),
-                Parameter::number("recovery", "1", Interval::NonNegative, "dynamic recovery: it saturates at modulus over recovery")
-                    .or(Absent::Number(0.0)),
-            ]),
-            "the back stress",
-        )],
-        returns: MaterialHandle::NAME,
-        example: format!("{STEEL}let cyclic = steel.back_stress(#{{ modulus: 20e3, recovery: 150.0 }}).back_stress(#{{ modulus: 1e3 }});")
-            .into(),
-        see_also: &["elastic_plastic"],
-        body: body(|call| {
+    method_of::<MaterialHandle>(Topic::Materials, "back_stress")
+        .summary(
+            "the elastic-plastic material with one more back stress (kinematic hardening): dX = 2/3 modulus dep - recovery X d alpha, \
+             Prager's without recovery, Armstrong and Frederick's with it; there may be four (Chaboche)",
+        )
+        .parameters(vec![Parameter::options("the back stress")])
+        .keys(vec![
+            Parameter::number("modulus", "stress", Interval::Positive, "its slope per plastic strain in uniaxial tension"),
+            Parameter::number("recovery", "1", Interval::NonNegative, "dynamic recovery: it saturates at modulus over recovery").or(0.0),
+        ])
+        .returns(MaterialHandle::NAME)
+        .see_also(&["elastic_plastic"])
+        .example(format!("{STEEL}let cyclic = steel.back_stress(#{{ modulus: 20e3, recovery: 150.0 }}).back_stress(#{{ modulus: 1e3 }});"))
+        .body(|call, _| {
             let mut constants = receiver(call)?;
             let options = call.options("options")?;
             constants.back_stresses.push(BackStress { modulus: options.number("modulus")?, recovery: options.number("recovery")? });
             made(&constants, &call.argument("options"))
-        }),
-    }
+        })
 }
 
 fn rate_dependent() -> Function {
-    let optional = |name, dimension, summary| Parameter::number(name, dimension, Interval::Positive, summary).or(Absent::Means("none"));
-    Function {
-        name: "rate_dependent",
-        form: Form::Method(MaterialHandle::receiver()),
-        topic: Topic::Materials,
-        summary: "the elastic-plastic material with a yield stress that depends on the rate of the plastic strain: k + viscosity d \
-                  alpha/dt (Perzyna) or k (1 + factor ln(d alpha/dt / reference_rate)) above that rate (Johnson and Cook, without heat); \
-                  `settle` and `statics()` neglect rates",
-        parameters: vec![Parameter::new(
-            "options",
-            Kind::Options(vec![
-                optional("viscosity", "stress*time", "overstress per rate (Perzyna)"),
-                optional("factor", "1", "C of Johnson and Cook"),
-                optional("reference_rate", "1/time", "the rate up to which nothing changes (Johnson and Cook)"),
-            ]),
-            "the dependence: `viscosity` alone, or `factor` and `reference_rate`",
-        )],
-        returns: MaterialHandle::NAME,
-        example: format!("{STEEL}let fast = steel.rate_dependent(#{{ factor: 0.022, reference_rate: 1.0 }});").into(),
-        see_also: &["elastic_plastic", "viscous"],
-        body: body(|call| {
+    let optional = |name, dimension, summary| Parameter::number(name, dimension, Interval::Positive, summary).otherwise("none");
+    method_of::<MaterialHandle>(Topic::Materials, "rate_dependent")
+        .summary(
+            "the elastic-plastic material with a yield stress that depends on the rate of the plastic strain: k + viscosity d alpha/dt \
+             (Perzyna) or k (1 + factor ln(d alpha/dt / reference_rate)) above that rate (Johnson and Cook, without heat); `settle` and \
+             `statics()` neglect rates",
+        )
+        .parameters(vec![Parameter::options("the dependence: `viscosity` alone, or `factor` and `reference_rate`")])
+        .keys(vec![
+            optional("viscosity", "stress*time", "overstress per rate (Perzyna)"),
+            optional("factor", "1", "C of Johnson and Cook"),
+            optional("reference_rate", "1/time", "the rate up to which nothing changes (Johnson and Cook)"),
+        ])
+        .returns(MaterialHandle::NAME)
+        .see_also(&["elastic_plastic", "viscous"])
+        .example(format!("{STEEL}let fast = steel.rate_dependent(#{{ factor: 0.022, reference_rate: 1.0 }});"))
+        .body(|call, _| {
             let mut constants = receiver(call)?;
             let options = call.options("options")?;
-            let number = |name: &str| -> Result<Option<f64>, Failure> {
-                let argument = options.argument(name);
-                if argument.is_given() { argument.number().map(Some) } else { Ok(None) }
-            };
+            let number = |name: &str| -> Result<Option<f64>, Failure> { options.optional_number(name) };
             constants.rate = match (number("viscosity")?, number("factor")?, number("reference_rate")?) {
                 (Some(viscosity), None, None) => RateDependence::Perzyna { viscosity },
                 (None, Some(factor), Some(reference_rate)) => RateDependence::JohnsonCook { factor, reference_rate },
@@ -235,36 +212,32 @@ fn rate_dependent() -> Function {
                 }
             };
             made(&constants, &call.argument("options"))
-        }),
-    }
+        })
 }
 
 fn hardening_curve() -> Function {
-    Function {
-        name: "hardening_curve",
-        form: Form::Function,
-        topic: Topic::Materials,
-        summary: "the points `[plastic strain, true yield stress]` of a tensile test whose points are `[engineering strain, engineering \
-                  stress]`: true strain ln(1 + e), true stress s (1 + e), less the elastic strain; from the first yielding to the largest \
-                  force, beyond which the specimen necks and a test does not determine the stress",
-        parameters: vec![
-            Parameter::new("test", Kind::Array, "the points of the test, strains growing"),
-            Parameter::new(
-                "options",
-                Kind::Options(vec![
-                    Parameter::number("youngs_modulus", "stress", Interval::Positive, "stiffness of the specimen"),
-                    Parameter::number("yield_stress", "stress", Interval::Positive, "true stress at which flow begins"),
-                ]),
-                "further data of the specimen",
-            ),
-        ],
-        returns: "Array",
-        example: "let curve = hardening_curve([[0.001, 210.0], [0.01, 255.0], [0.05, 310.0], [0.15, 360.0]],\n    \
+    function(Topic::Materials, "hardening_curve")
+        .summary(
+            "the points `[plastic strain, true yield stress]` of a tensile test whose points are `[engineering strain, engineering \
+             stress]`: true strain ln(1 + e), true stress s (1 + e), less the elastic strain; from the first yielding to the largest \
+             force, beyond which the specimen necks and a test does not determine the stress",
+        )
+        .parameters(vec![
+            Parameter::array("test", "the points of the test, strains growing"),
+            Parameter::options("further data of the specimen"),
+        ])
+        .keys(vec![
+            Parameter::number("youngs_modulus", "stress", Interval::Positive, "stiffness of the specimen"),
+            Parameter::number("yield_stress", "stress", Interval::Positive, "true stress at which flow begins"),
+        ])
+        .returns("Array")
+        .see_also(&["elastic_plastic"])
+        .example(
+            "let curve = hardening_curve([[0.001, 210.0], [0.01, 255.0], [0.05, 310.0], [0.15, 360.0]],\n    \
                   #{ youngs_modulus: 210e3, yield_stress: 235.0 });\n\
-                  let steel = elastic_plastic(#{ youngs_modulus: 210e3, poisson_ratio: 0.3, density: 7.85e-9, hardening: curve });"
-            .into(),
-        see_also: &["elastic_plastic"],
-        body: body(|call| {
+                  let steel = elastic_plastic(#{ youngs_modulus: 210e3, poisson_ratio: 0.3, density: 7.85e-9, hardening: curve });",
+        )
+        .body(|call| {
             let (test, options) = (call.argument("test"), call.options("options")?);
             let points = test.value().read_lock::<Array>().map(|array| array.clone()).ok_or_else(|| test.wrong_type())?;
             let points = points_of(&test, &points)?;
@@ -274,8 +247,7 @@ fn hardening_curve() -> Function {
             for (index, &[strain, stress]) in points.iter().enumerate() {
                 if strain <= -1.0 || !stress.is_finite() || (index > 0 && strain <= points[index - 1][0]) {
                     return Err(test
-                        .fail(format!("the strain of point {} is not above the one before", index + 1))
-                        .code(causes::ORDER)
+                        .refuse(causes::ORDER, format!("the strain of point {} is not above the one before", index + 1))
                         .into());
                 }
                 if stress < force {
@@ -294,6 +266,5 @@ fn hardening_curve() -> Function {
             }
             let pair = |[strain, stress]: [f64; 2]| Dynamic::from(vec![Dynamic::from(strain), Dynamic::from(stress)] as Array);
             Ok(Dynamic::from(curve.into_iter().map(pair).collect::<Array>()))
-        }),
-    }
+        })
 }

@@ -1,6 +1,6 @@
 //! Named boundaries of meshes, and new ones from a condition.
 
-use rhai::{Array, Dynamic, EvalAltResult};
+use rhai::EvalAltResult;
 
 use super::handle::{MeshHandle, mesh_failure};
 use crate::mesh::{Boundary, Mesh, SelectionError};
@@ -26,7 +26,7 @@ pub fn boundary_named(argument: &Argument, mesh: &Mesh) -> Result<Boundary, Fail
     let mut boundaries = Vec::new();
     for entry in entries.iter() {
         let Ok(name) = entry.clone().into_string() else {
-            let failure = argument.fail(format!("every entry of {} must be a name", argument.title())).code(causes::WRONG_TYPE);
+            let failure = argument.refuse(causes::WRONG_TYPE, format!("every entry of {} must be a name", argument.title()));
             return Err(failure
                 .label(format!("this contains {}", describe(argument.call().engine(), entry)))
                 .hint("write `[\"left\", \"top\"]`"));
@@ -34,7 +34,7 @@ pub fn boundary_named(argument: &Argument, mesh: &Mesh) -> Result<Boundary, Fail
         boundaries.push(one_boundary(argument, name, mesh)?);
     }
     match &boundaries[..] {
-        [] => Err(argument.fail(format!("{} is empty", argument.title())).code(causes::EMPTY).hint("name at least one boundary")),
+        [] => Err(argument.wrong(causes::EMPTY, "is empty").hint("name at least one boundary")),
         [one] => Ok(one.clone()),
         several => Ok(Boundary::union(several)),
     }
@@ -54,10 +54,7 @@ fn one_boundary(argument: &Argument, name: String, mesh: &Mesh) -> Result<Bounda
 /// Parameters of `boundary_where` of meshes and bodies.
 pub fn condition_parameters() -> Vec<Parameter> {
     let condition = "evaluated at the nodes of the hull (with z in space); gives `true` or `false`";
-    vec![
-        Parameter::new("name", Kind::Text, "the name of the new boundary"),
-        Parameter::new("condition", Kind::Closure("|x, y|"), condition),
-    ]
+    vec![Parameter::text("name", "the name of the new boundary"), Parameter::new("condition", Kind::Closure("|x, y|"), condition)]
 }
 
 /// Returns the truth value of a condition.
@@ -66,7 +63,7 @@ pub fn condition_parameters() -> Vec<Parameter> {
 /// The value is no truth value.
 pub fn truth(argument: &Argument, value: &Dynamic) -> Result<bool, Box<EvalAltResult>> {
     value.as_bool().map_err(|_| {
-        let failure = argument.fail("the condition must give `true` or `false`").code(causes::WRONG_TYPE);
+        let failure = argument.refuse(causes::WRONG_TYPE, "the condition must give `true` or `false`");
         let given = describe(argument.call().engine(), value);
         failure.label(format!("this gives {given}")).hint("compare the coordinates, such as `|x, y| y > 0.99`").into()
     })
@@ -102,23 +99,18 @@ pub fn with_boundary_where(call: &Call, mesh: &Mesh) -> Result<Mesh, Box<EvalAlt
 
 /// `boundary_where` of a mesh.
 pub fn boundary_where() -> Function {
-    Function {
-        name: "boundary_where",
-        form: Form::Method(MeshHandle::receiver()),
-        topic: Topic::Meshes,
-        summary: "adds a boundary to the mesh: all facets of its hull at whose nodes a condition holds; gives the mesh itself",
-        parameters: condition_parameters(),
-        returns: MeshHandle::NAME,
-        example:
-            "let plate = rectangle(#{ size: [2.0, 1.0], cells: [8, 4] });\nplate.boundary_where(\"foot\", |x, y| x < 0.51 && y < 0.01);"
-                .into(),
-        see_also: &["boundary"],
-        body: body(|call| {
-            let handle = call.receiver::<MeshHandle>();
+    method_of::<MeshHandle>(Topic::Meshes, "boundary_where")
+        .summary("adds a boundary to the mesh: all facets of its hull at whose nodes a condition holds; gives the mesh itself")
+        .parameters(condition_parameters())
+        .returns(MeshHandle::NAME)
+        .see_also(&["boundary"])
+        .example(
+            "let plate = rectangle(#{ size: [2.0, 1.0], cells: [8, 4] });\nplate.boundary_where(\"foot\", |x, y| x < 0.51 && y < 0.01);",
+        )
+        .body(|call, handle| {
             let mesh = with_boundary_where(call, &handle.mesh())?;
             call.host.count_effect();
             handle.replace(mesh);
             Ok(Dynamic::from(handle))
-        }),
-    }
+        })
 }

@@ -1,11 +1,8 @@
 //! Decks of Abaqus and CalculiX: a mesh for each body, its materials, and interactions.
 
-use rhai::{Array, Dynamic, Map};
-
 use super::handle::MeshHandle;
 use super::reader::{included, notes_warned, read_failure, read_options, readable, reading_parameters};
 use crate::materials::{Material, MaterialRow};
-use crate::math::catalogue::Interval;
 use crate::mesh::{self, Deck, DeckBoundary, DeckMaterial, DeckProperty};
 use crate::script::api::materials::MaterialHandle;
 use crate::script::language::diagnostics::Diagnostic;
@@ -18,25 +15,24 @@ const HARDLY_COMPRESSIBLE: f64 = 1000.0;
 pub fn read_deck() -> Function {
     let density = Parameter::number("density", "mass/volume", Interval::Positive, "density of materials for which the file has none");
     let mut options = reading_parameters();
-    options.push(density.or(Absent::Means("1, with a warning")));
-    Function {
-        name: "read_deck",
-        form: Form::Function,
-        topic: Topic::Meshes,
-        summary: "the bodies of an Abaqus or CalculiX input file as a map: `parts`, a mesh for each instance (without instances: for each \
-                  connected piece) by its name, with the sets and surfaces that lie in it as boundaries; `boundaries`, for each name of a \
-                  boundary the names of the parts that have it; `materials` by their names (`*ELASTIC` is `saint_venant_kirchhoff`, \
-                  `*HYPERELASTIC` the law of its name); `sections`, the name of the material of each part that has one alone; `pairs`, \
-                  contact pairs and ties as maps with `secondary`, `primary` (each `[part, boundary]`) and `tied`; `held`, boundaries that \
-                  are held in all directions, each `[part, boundary]`",
-        parameters: vec![
-            Parameter::new("path", Kind::Text, "the file, below the script's folder or a folder that `--allow-read` names"),
-            Parameter::new("options", Kind::Options(options), "how it is read").or(Absent::Means("its defaults")),
-        ],
-        returns: "Map",
-        example: "expect_error(|| read_deck(\"missing.inp\"), \"there is no file\");".into(),
-        see_also: &["read_mesh", "pieces", "add_body"],
-        body: body(|call| {
+    options.push(density.otherwise("1, with a warning"));
+    function(Topic::Meshes, "read_deck")
+        .summary(
+            "the bodies of an Abaqus or CalculiX input file as a map: `parts`, a mesh for each instance (without instances: for each \
+             connected piece) by its name, with the sets and surfaces that lie in it as boundaries; `boundaries`, for each name of a \
+             boundary the names of the parts that have it; `materials` by their names (`*ELASTIC` is `saint_venant_kirchhoff`, \
+             `*HYPERELASTIC` the law of its name); `sections`, the name of the material of each part that has one alone; `pairs`, contact \
+             pairs and ties as maps with `secondary`, `primary` (each `[part, boundary]`) and `tied`; `held`, boundaries that are held in \
+             all directions, each `[part, boundary]`",
+        )
+        .parameters(vec![
+            Parameter::text("path", "the file, below the script's folder or a folder that `--allow-read` names"),
+            Parameter::options("how it is read").otherwise("its defaults").keys(options),
+        ])
+        .returns("Map")
+        .see_also(&["read_mesh", "pieces", "add_body"])
+        .example("expect_error(|| read_deck(\"missing.inp\"), \"there is no file\");")
+        .body(|call| {
             let argument = call.argument("path");
             let (path, options) = (argument.text()?, call.options("options")?);
             let file = readable(&argument, &path)?;
@@ -45,8 +41,7 @@ pub fn read_deck() -> Function {
             let deck = deck.map_err(|error| read_failure(&argument, &path, &file, &error))?;
             notes_warned(call, &path, &deck.notes);
             Ok(value_of(call, &options, deck)?.into())
-        }),
-    }
+        })
 }
 
 fn value_of(call: &Call, options: &Options, deck: Deck) -> Result<Map, Failure> {
@@ -66,9 +61,8 @@ fn value_of(call: &Call, options: &Options, deck: Deck) -> Result<Map, Failure> 
         }
     }
     let place = |of: &DeckBoundary| Dynamic::from_array(vec![of.part.clone().into(), of.boundary.clone().into()]);
-    let pair = |pair: &mesh::DeckPair| -> Dynamic {
-        let entries = [("secondary", place(&pair.secondary)), ("primary", place(&pair.primary)), ("tied", pair.is_tied.into())];
-        entries.into_iter().map(|(name, value)| (name.into(), value)).collect::<Map>().into()
+    let pair = |pair: &mesh::DeckPair| {
+        map_of([("secondary", place(&pair.secondary)), ("primary", place(&pair.primary)), ("tied", pair.is_tied.into())])
     };
     let (pairs, held): (Array, Array) = (deck.pairs.iter().map(pair).collect(), deck.held.iter().map(place).collect());
     let mut sections = Map::new();

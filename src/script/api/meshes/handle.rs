@@ -6,7 +6,7 @@ use std::cell::RefCell;
 use std::rc::Rc;
 use std::sync::Arc;
 
-use rhai::{Dynamic, EvalAltResult};
+use rhai::EvalAltResult;
 
 use crate::mesh::{Mesh, MeshError};
 use crate::script::api::remedies::ScriptWords;
@@ -112,8 +112,7 @@ pub fn made_of(
     if count <= FEW_CELLS { mesh_value(call, make()) } else { made(call, make) }
 }
 
-/// Components of a vector option, or zeros.
-pub fn vector_or_zero(options: &impl Arguments, name: &str, dimension: usize) -> Result<[f64; 3], Failure> {
-    let argument = options.argument(name);
-    if argument.is_given() { argument.vector(dimension) } else { Ok([0.0; 3]) }
+/// Coordinates of a point among the options; the origin by default.
+pub fn point_or_origin<const D: usize>(options: &Options, name: &str) -> Result<[f64; D], Failure> {
+    Ok(options.argument(name).given(Argument::tuple)?.unwrap_or([0.0; D]))
 }

@@ -13,7 +13,7 @@ const ALL: &[&str] =
 
 /// Returns the option `element` with these choices, of which the first is the default.
 pub fn element(kinds: &'static [&'static str]) -> Parameter {
-    Parameter::new("element", Kind::Choice(kinds), "the kind of its cells").or(Absent::Text(kinds[0]))
+    Parameter::new("element", Kind::Choice(kinds), "the kind of its cells").or(kinds[0])
 }
 
 /// Cell kind with the given name.
@@ -31,22 +31,20 @@ pub fn kind_of(options: &Options) -> Result<CellKind, Failure> {
 
 /// `with_elements` of a mesh.
 pub fn with_elements() -> Function {
-    Function {
-        name: "with_elements",
-        form: Form::Method(MeshHandle::receiver()),
-        topic: Topic::Meshes,
-        summary: "the mesh with cells of another kind on the same corners: cells of first order as those of second order of their shape, \
-                  `quad4` as `tri3` or `tri6` as well, `hex8` as tetrahedra, wedges (two each, side by side through the thickness) or \
-                  pyramids (six each, about a node in the center) of either order; new nodes stand on straight edges (by the option \
-                  `element` generators put them on curves). In a mesh of several kinds the other cells become those of the same order",
-        parameters: vec![Parameter::new("element", Kind::Choice(ALL), "the kind of its cells")],
-        returns: MeshHandle::NAME,
-        example: "let plate = rectangle(#{ size: [2.0, 1.0], cells: [8, 4] }).with_elements(\"quad8\");".into(),
-        see_also: &["refine", "rectangle", "extrude"],
-        body: body(|call| {
+    method_of::<MeshHandle>(Topic::Meshes, "with_elements")
+        .summary(
+            "the mesh with cells of another kind on the same corners: cells of first order as those of second order of their shape, \
+             `quad4` as `tri3` or `tri6` as well, `hex8` as tetrahedra, wedges (two each, side by side through the thickness) or pyramids \
+             (six each, about a node in the center) of either order; new nodes stand on straight edges (by the option `element` generators \
+             put them on curves). In a mesh of several kinds the other cells become those of the same order",
+        )
+        .parameters(vec![Parameter::new("element", Kind::Choice(ALL), "the kind of its cells")])
+        .returns(MeshHandle::NAME)
+        .see_also(&["refine", "rectangle", "extrude"])
+        .example("let plate = rectangle(#{ size: [2.0, 1.0], cells: [8, 4] }).with_elements(\"quad8\");")
+        .body(|call, handle| {
             let kind = kind_named(&call.text("element")?);
-            let mesh = call.receiver::<MeshHandle>().mesh();
+            let mesh = handle.mesh();
             made(call, move || mesh.with_cells(kind))
-        }),
-    }
+        })
 }

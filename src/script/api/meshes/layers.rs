@@ -1,15 +1,10 @@
 //! The option `layers` of regions: strips of thin cells along boundaries.
 
-use rhai::Array;
-
 use super::handle::mesh_failure;
-use crate::math::catalogue::Interval;
 use crate::mesh::{Layers, MeshError};
 use crate::script::api::remedies::ScriptWords;
-use crate::script::language::arguments::{Arguments, Options};
 use crate::script::language::causes;
-use crate::script::language::failure::Failure;
-use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::prelude::*;
 use crate::script::language::values::describe;
 
 /// Description of the option `layers`.
@@ -17,25 +12,25 @@ pub fn parameter() -> Parameter {
     let keys = vec![
         Parameter::new("boundary", Kind::Either("a boundary's name or an array of names"), "where the layers are"),
         Parameter::number("first", "length", Interval::Positive, "the thickness of the layer at the boundary"),
-        Parameter::new("count", Kind::Integer, "how many layers there are").within(Interval::Closed(1.0, 1000.0)),
+        Parameter::integer("count", "how many layers there are").within(Interval::Closed(1.0, 1000.0)),
         Parameter::number(
             "growth",
             "1",
             Interval::Closed(0.1, 10.0),
             "the ratio of the thickness of each layer to that of the one before it",
         )
-        .or(Absent::Number(1.2)),
+        .or(1.2),
         Parameter::number(
             "along",
             "length",
             Interval::Positive,
             "the length of their cells along the boundary, from which it grows to `size`",
         )
-        .or(Absent::Means("`size`")),
+        .otherwise("`size`"),
     ];
-    let summary = "strips of thin cells along boundaries: stacks of quadrilaterals (or of triangles, two in place of each), with \
-                   columns on the bisectors of corners";
-    Parameter::new("layers", Kind::Options(keys), summary).or(Absent::Means("none"))
+    let summary = "strips of thin cells along boundaries: stacks of quadrilaterals (or of triangles, two in place of each), with columns \
+                   on the bisectors of corners";
+    Parameter::map("layers", summary).otherwise("none").keys(keys)
 }
 
 /// Reads the option `layers`.
@@ -57,8 +52,7 @@ pub fn layers_of(options: &Options) -> Result<Option<Layers>, Failure> {
         None => value.clone().into_string().ok().map(|name| vec![name]),
     };
     let boundaries = names.filter(|names| !names.is_empty()).ok_or_else(|| {
-        let failure =
-            argument.fail(format!("{} must be a boundary's name or an array of names", argument.title())).code(causes::WRONG_TYPE);
+        let failure = argument.wrong(causes::WRONG_TYPE, "must be a boundary's name or an array of names");
         failure
             .label(format!("this is {}", describe(argument.call().engine(), &value)))
             .hint("write `\"race\"` or `[\"inner\", \"outer\"]`")

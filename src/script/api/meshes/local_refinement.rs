@@ -1,47 +1,45 @@
 //! Meshes of triangles refined in places.
 
-use rhai::{Dynamic, EvalAltResult, FnPtr};
+use rhai::{EvalAltResult, FnPtr};
 
 use super::boundaries::{boundary_named, truth};
 use super::handle::{MeshHandle, mesh_failure};
-use crate::math::catalogue::Interval;
 use crate::mesh::{Mesh, SelectionError};
 use crate::script::language::callback::Callback;
 use crate::script::language::prelude::*;
 
 /// `refine_where` of a mesh.
 pub fn refine_where() -> Function {
-    Function {
-        name: "refine_where",
-        form: Form::Method(MeshHandle::receiver()),
-        topic: Topic::Meshes,
-        summary: "the mesh of triangles (`tri3`, `tri6`) with cells cut into four where a condition holds at their centers, or where they \
-                  touch a boundary; beside them cells are bisected so that no node hangs on an edge. Curved sides stay as they are, and \
-                  no angle falls below half the smallest, however often it is done",
-        parameters: vec![
+    method_of::<MeshHandle>(Topic::Meshes, "refine_where")
+        .summary(
+            "the mesh of triangles (`tri3`, `tri6`) with cells cut into four where a condition holds at their centers, or where they touch \
+             a boundary; beside them cells are bisected so that no node hangs on an edge. Curved sides stay as they are, and no angle \
+             falls below half the smallest, however often it is done",
+        )
+        .parameters(vec![
             Parameter::new(
                 "where",
                 Kind::Either("a closure `|x, y| …`, a boundary's name or an array of names"),
                 "the condition, evaluated at the centers of the cells, or the boundary that they touch",
             ),
-            Parameter::new("times", Kind::Integer, "the number of times, each with the cells of the previous one")
+            Parameter::integer("times", "the number of times, each with the cells of the previous one")
                 .within(Interval::Closed(0.0, 40.0))
-                .or(Absent::Integer(1)),
-        ],
-        returns: MeshHandle::NAME,
-        example: "let plate = rectangle(#{ size: [2.0, 1.0], cells: [8, 4], element: \"tri3\" });\n\
-                  let fine = plate.refine_where(|x, y| hypot(x - 1.0, y - 1.0) < 0.3, 2);\nlet edge = plate.refine_where(\"top\", 3);"
-            .into(),
-        see_also: &["refine", "region", "with_elements", "quality"],
-        body: body(|call| {
-            let mut mesh = (*call.receiver::<MeshHandle>().mesh()).clone();
+                .or(1),
+        ])
+        .returns(MeshHandle::NAME)
+        .see_also(&["refine", "region", "with_elements", "quality"])
+        .example(
+            "let plate = rectangle(#{ size: [2.0, 1.0], cells: [8, 4], element: \"tri3\" });\n\
+                  let fine = plate.refine_where(|x, y| hypot(x - 1.0, y - 1.0) < 0.3, 2);\nlet edge = plate.refine_where(\"top\", 3);",
+        )
+        .body(|call, mesh| {
+            let mut mesh = (*mesh.mesh()).clone();
             let argument = call.argument("where");
             for _ in 0..call.integer("times")? {
                 mesh = refined(call, &argument, &mesh)?;
             }
             Ok(Dynamic::from(MeshHandle::new(mesh)))
-        }),
-    }
+        })
 }
 
 /// The mesh refined once.

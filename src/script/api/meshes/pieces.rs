@@ -1,10 +1,9 @@
 //! Meshes without names: connected components, boundaries by normal, by a seed and by distance, parts by position.
 
-use rhai::{Array, Dynamic, EvalAltResult};
+use rhai::EvalAltResult;
 
 use super::boundaries::truth;
 use super::handle::{MeshHandle, mesh_failure};
-use crate::math::catalogue::Interval;
 use crate::math::tolerances::ON_SHAPE;
 use crate::mesh::{Facet, Mesh};
 use crate::script::language::diagnostics::Diagnostic;
@@ -21,55 +20,46 @@ pub fn functions() -> Vec<Function> {
 }
 
 fn name() -> Parameter {
-    Parameter::new("name", Kind::Text, "the name of the new boundary")
+    Parameter::text("name", "the name of the new boundary")
 }
 
 fn angle(default: f64, summary: &'static str) -> Parameter {
-    Parameter::number("angle", "rad", Interval::Closed(0.0, std::f64::consts::PI), summary).or(Absent::Number(default))
+    Parameter::number("angle", "rad", Interval::Closed(0.0, std::f64::consts::PI), summary).or(default)
 }
 
 fn pieces() -> Function {
-    Function {
-        name: "pieces",
-        form: Form::Method(MeshHandle::receiver()),
-        topic: Topic::Meshes,
-        summary: "the connected pieces of a mesh, each a mesh of its own, in the order of their first cells",
-        parameters: Vec::new(),
-        returns: "Array",
-        example: "let one = rectangle(#{ size: [2.0, 1.0], cells: [8, 4] }); expect(one.pieces().len == 1);".into(),
-        see_also: &["part", "part_where", "join"],
-        body: body(|call| {
-            let mesh = call.receiver::<MeshHandle>().mesh();
+    method_of::<MeshHandle>(Topic::Meshes, "pieces")
+        .summary("the connected pieces of a mesh, each a mesh of its own, in the order of their first cells")
+        .returns("Array")
+        .see_also(&["part", "part_where", "join"])
+        .example("let one = rectangle(#{ size: [2.0, 1.0], cells: [8, 4] }); expect(one.pieces().len == 1);")
+        .body(|_, handle| {
+            let mesh = handle.mesh();
             let pieces = mesh.connected_cells();
             Ok(pieces.iter().map(|cells| Dynamic::from(MeshHandle::new(mesh.of_cells(cells)))).collect::<Array>().into())
-        }),
-    }
+        })
 }
 
 fn part_where() -> Function {
-    Function {
-        name: "part_where",
-        form: Form::Method(MeshHandle::receiver()),
-        topic: Topic::Meshes,
-        summary: "adds a part to the mesh: all cells at whose centers a condition holds; gives the mesh itself",
-        parameters: vec![
-            Parameter::new("name", Kind::Text, "the name of the new part"),
+    method_of::<MeshHandle>(Topic::Meshes, "part_where")
+        .summary("adds a part to the mesh: all cells at whose centers a condition holds; gives the mesh itself")
+        .parameters(vec![
+            Parameter::text("name", "the name of the new part"),
             Parameter::new("condition", Kind::Closure("|x, y|"), "evaluated at the centers of the cells (with z in space)"),
-        ],
-        returns: MeshHandle::NAME,
-        example: "let plate = rectangle(#{ size: [2.0, 1.0], cells: [8, 4] });\nplate.part_where(\"left half\", |x, y| x < 1.0);\n\
-                  let left = plate.part(\"left half\");"
-            .into(),
-        see_also: &["part", "pieces", "boundary_where"],
-        body: body(|call| {
-            let handle = call.receiver::<MeshHandle>();
+        ])
+        .returns(MeshHandle::NAME)
+        .see_also(&["part", "pieces", "boundary_where"])
+        .example(
+            "let plate = rectangle(#{ size: [2.0, 1.0], cells: [8, 4] });\nplate.part_where(\"left half\", |x, y| x < 1.0);\n\
+                  let left = plate.part(\"left half\");",
+        )
+        .body(|call, handle| {
             let (name, condition) = (call.name("name")?, call.callback("condition")?);
             let mut mesh = (*handle.mesh()).clone();
             if mesh.parts.iter().any(|(known, _)| *known == name) {
                 return Err(call
                     .argument("name")
-                    .fail(format!("the mesh already has a part \"{name}\""))
-                    .code(causes::NAME_TAKEN)
+                    .refuse(causes::NAME_TAKEN, format!("the mesh already has a part \"{name}\""))
                     .hint("choose another name")
                     .into());
             }
@@ -81,7 +71,7 @@ fn part_where() -> Function {
                 }
             }
             if cells.is_empty() {
-                let failure = call.argument("condition").fail(format!("the part \"{name}\" would have no cells")).code(causes::EMPTY);
+                let failure = call.argument("condition").refuse(causes::EMPTY, format!("the part \"{name}\" would have no cells"));
                 return Err(failure
                     .hint("the condition is evaluated at the centers of the cells; `print(mesh.quality())` shows the mesh")
                     .into());
@@ -90,8 +80,7 @@ fn part_where() -> Function {
             call.host.count_effect();
             handle.replace(mesh);
             Ok(Dynamic::from(handle))
-        }),
-    }
+        })
 }
 
 /// Adds a boundary of the facets found to the mesh of a call; warns if no facet is found.
@@ -110,86 +99,80 @@ fn added(call: &Call, find: impl FnOnce(&Mesh) -> Vec<Facet>, hint: &str) -> Res
 }
 
 fn boundary_by_normal() -> Function {
-    Function {
-        name: "boundary_by_normal",
-        form: Form::Method(MeshHandle::receiver()),
-        topic: Topic::Meshes,
-        summary: "adds a boundary to the mesh: all facets of its hull that face a direction; gives the mesh itself",
-        parameters: vec![
+    method_of::<MeshHandle>(Topic::Meshes, "boundary_by_normal")
+        .summary("adds a boundary to the mesh: all facets of its hull that face a direction; gives the mesh itself")
+        .parameters(vec![
             name(),
-            Parameter::new("normal", Kind::Vector, "the direction, out of the body").of("1"),
+            Parameter::vector("normal", "the direction, out of the body").of("1"),
             angle(SAME_DIRECTION, "the angle from the direction up to which facets belong to it"),
-        ],
-        returns: MeshHandle::NAME,
-        example: "let ball = sphere(#{ radius: 0.5, cells: [2, 16] });\nball.boundary_by_normal(\"cap\", [0.0, 0.0, 1.0], deg(60));".into(),
-        see_also: &["boundary_from", "boundary_near", "boundary_where"],
-        body: body(|call| {
+        ])
+        .returns(MeshHandle::NAME)
+        .see_also(&["boundary_from", "boundary_near", "boundary_where"])
+        .example("let ball = sphere(#{ radius: 0.5, cells: [2, 16] });\nball.boundary_by_normal(\"cap\", [0.0, 0.0, 1.0], deg(60));")
+        .body(|call, mesh| {
             let argument = call.argument("normal");
-            let (normal, angle) = (argument.vector(call.receiver::<MeshHandle>().mesh().dimension())?, call.number("angle")?);
+            let (normal, angle) = (argument.vector(mesh.mesh().dimension())?, call.number("angle")?);
             if normal == [0.0; 3] {
                 return Err(argument
-                    .fail("a normal needs a length")
-                    .code(causes::NO_DIRECTION)
+                    .refuse(causes::NO_DIRECTION, "a normal needs a length")
                     .hint("write `[0.0, 1.0]` for the direction of y")
                     .into());
             }
             added(call, |mesh| mesh.facets_by_normal(normal, angle), "normals point out of the body; allow a larger `angle`")
-        }),
-    }
+        })
 }
 
 fn boundary_from() -> Function {
-    Function {
-        name: "boundary_from",
-        form: Form::Method(MeshHandle::receiver()),
-        topic: Topic::Meshes,
-        summary: "adds a boundary to the mesh: the smooth side around the facet of the hull that is nearest to a point, up to sharp edges; \
-                  gives the mesh itself",
-        parameters: vec![
+    method_of::<MeshHandle>(Topic::Meshes, "boundary_from")
+        .summary(
+            "adds a boundary to the mesh: the smooth side around the facet of the hull that is nearest to a point, up to sharp edges; \
+             gives the mesh itself",
+        )
+        .parameters(vec![
             name(),
-            Parameter::new("point", Kind::Vector, "a place on the side or near it").of("length"),
+            Parameter::vector("point", "a place on the side or near it").of("length"),
             angle(SAME_SIDE, "the largest angle between neighboring facets of the side"),
-        ],
-        returns: MeshHandle::NAME,
-        example: "let rod = cylinder(#{ radius: 0.5, height: 2.0, cells: [2, 32, 4], element: \"tet4\" });\n\
-                  rod.boundary_from(\"round\", [0.5, 0.0, 1.0]);"
-            .into(),
-        see_also: &["boundary_by_normal", "boundary_near", "boundary_where"],
-        body: body(|call| {
-            let point = call.argument("point").vector(call.receiver::<MeshHandle>().mesh().dimension())?;
+        ])
+        .returns(MeshHandle::NAME)
+        .see_also(&["boundary_by_normal", "boundary_near", "boundary_where"])
+        .example(
+            "let rod = cylinder(#{ radius: 0.5, height: 2.0, cells: [2, 32, 4], element: \"tet4\" });\n\
+                  rod.boundary_from(\"round\", [0.5, 0.0, 1.0]);",
+        )
+        .body(|call, mesh| {
+            let point = call.argument("point").vector(mesh.mesh().dimension())?;
             let angle = call.number("angle")?;
             added(call, |mesh| mesh.facets_from(point, angle), "the mesh has no hull")
-        }),
-    }
+        })
 }
 
 fn boundary_near() -> Function {
     let shape = vec![
-        Parameter::new("point", Kind::Vector, "a point of a plane (in the plane: of a line)").of("length").or(Absent::Means("no plane")),
-        Parameter::new("normal", Kind::Vector, "the normal of the plane").of("1").or(Absent::Means("no plane")),
-        Parameter::new("center", Kind::Vector, "the center of a sphere or circle, or a point of the axis of a cylinder")
+        Parameter::vector("point", "a point of a plane (in the plane: of a line)").of("length").otherwise("no plane"),
+        Parameter::vector("normal", "the normal of the plane").of("1").otherwise("no plane"),
+        Parameter::vector("center", "the center of a sphere or circle, or a point of the axis of a cylinder")
             .of("length")
-            .or(Absent::Means("no sphere or cylinder")),
+            .otherwise("no sphere or cylinder"),
         Parameter::number("radius", "length", Interval::Positive, "the radius of the sphere, circle or cylinder")
-            .or(Absent::Means("no sphere or cylinder")),
-        Parameter::new("axis", Kind::Vector, "the direction of the axis of a cylinder").of("1").or(Absent::Means("a sphere")),
+            .otherwise("no sphere or cylinder"),
+        Parameter::vector("axis", "the direction of the axis of a cylinder").of("1").otherwise("a sphere"),
         Parameter::number("within", "length", Interval::Positive, "the distance up to which nodes are on it")
-            .or(Absent::Means("1e-6 of the size of the mesh")),
+            .otherwise("1e-6 of the size of the mesh"),
     ];
-    Function {
-        name: "boundary_near",
-        form: Form::Method(MeshHandle::receiver()),
-        topic: Topic::Meshes,
-        summary: "adds a boundary to the mesh: all facets of its hull whose nodes are on a plane (`point`, `normal`), a sphere or circle \
-                  (`center`, `radius`) or a cylinder (with `axis`); gives the mesh itself",
-        parameters: vec![name(), Parameter::new("shape", Kind::Options(shape), "the plane, sphere or cylinder")],
-        returns: MeshHandle::NAME,
-        example: "let pipe = tube(#{ inner_radius: 0.5, outer_radius: 1.0, height: 1.0, cells: [2, 16, 2] });\n\
-                  pipe.boundary_near(\"bore\", #{ center: [0.0, 0.0, 0.0], axis: [0.0, 0.0, 1.0], radius: 0.5, within: 0.01 });"
-            .into(),
-        see_also: &["boundary_by_normal", "boundary_from", "boundary_where"],
-        body: body(|call| {
-            let (mesh, options) = (call.receiver::<MeshHandle>().mesh(), call.options("shape")?);
+    method_of::<MeshHandle>(Topic::Meshes, "boundary_near")
+        .summary(
+            "adds a boundary to the mesh: all facets of its hull whose nodes are on a plane (`point`, `normal`), a sphere or circle \
+             (`center`, `radius`) or a cylinder (with `axis`); gives the mesh itself",
+        )
+        .parameters(vec![name(), Parameter::map("shape", "the plane, sphere or cylinder").keys(shape)])
+        .returns(MeshHandle::NAME)
+        .see_also(&["boundary_by_normal", "boundary_from", "boundary_where"])
+        .example(
+            "let pipe = tube(#{ inner_radius: 0.5, outer_radius: 1.0, height: 1.0, cells: [2, 16, 2] });\n\
+                  pipe.boundary_near(\"bore\", #{ center: [0.0, 0.0, 0.0], axis: [0.0, 0.0, 1.0], radius: 0.5, within: 0.01 });",
+        )
+        .body(|call, handle| {
+            let (mesh, options) = (handle.mesh(), call.options("shape")?);
             let shape = Shape::of(&options, mesh.dimension())?;
             let size = mesh.points.as_flattened().iter().fold(0.0, |most: f64, x| most.max(x.abs()));
             let within = if options.argument("within").is_given() { options.number("within")? } else { ON_SHAPE * size };
@@ -202,8 +185,7 @@ fn boundary_near() -> Function {
                 },
                 "all nodes of a facet must be on it: allow more with `within`",
             )
-        }),
-    }
+        })
 }
 
 /// Surface for the selection of nodes by distance.
@@ -223,7 +205,7 @@ impl Shape {
             if length > 0.0 {
                 Ok(vector.map(|x| x / length))
             } else {
-                Err(argument.fail(format!("`{name}` needs a length")).code(causes::NO_DIRECTION))
+                Err(argument.refuse(causes::NO_DIRECTION, format!("`{name}` needs a length")))
             }
         };
         match (is_given("point") && is_given("normal"), is_given("center") && is_given("radius")) {
@@ -239,8 +221,7 @@ impl Shape {
             _ => {
                 let failure = options
                     .argument("point")
-                    .fail("`boundary_near` takes either a plane, or a sphere or cylinder")
-                    .code(causes::OPTIONS_TOGETHER);
+                    .refuse(causes::OPTIONS_TOGETHER, "`boundary_near` takes either a plane, or a sphere or cylinder");
                 Err(failure.hint("write `#{ point: [0.0, 0.0], normal: [0.0, 1.0] }` or `#{ center: [0.0, 0.0], radius: 1.0 }`"))
             }
         }

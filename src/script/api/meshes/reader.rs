@@ -4,8 +4,6 @@ use std::fs::File;
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 
-use rhai::Dynamic;
-
 use super::handle::MeshHandle;
 use crate::mesh::{self, FileNote, FilePosition, MeshError, ReadOptions, Shells, Structural};
 use crate::script::api::files::writing::{path_parameter, write};
@@ -22,36 +20,33 @@ pub fn functions() -> Vec<Function> {
 fn reader() -> Function {
     let mut parameters = reading_parameters();
     let part = "name of the only part that is read, with its boundaries, such as a body of a frame";
-    parameters.push(Parameter::new("part", Kind::Text, part).or(Absent::Means("the whole file")));
-    Function {
-        name: "read_mesh",
-        form: Form::Function,
-        topic: Topic::Meshes,
-        summary: "a mesh from a file. Gmsh (MSH 2.2 or 4.1, ASCII or binary): physical groups are parts and boundaries. Abaqus or \
-                  CalculiX (`.inp`): sets of elements are parts, surfaces and sets of nodes boundaries; several instances are parts, \
-                  too, and their sets have names such as `\"Block-1.top\"`. VTU and legacy VTK: arrays of whole numbers of cells are \
-                  parts such as `\"ref 1\"`, and `read_mesh` gives the bodies of frames of a run back by their names. Medit (`.mesh`), \
-                  UNV, Nastran bulk data, SU2: references, groups, properties and markers are parts and boundaries",
-        parameters: vec![
-            Parameter::new("path", Kind::Text, "the file, below the script's folder or a folder that `--allow-read` names"),
-            Parameter::new("options", Kind::Options(parameters), "how it is read").or(Absent::Means("its defaults")),
-        ],
-        returns: MeshHandle::NAME,
-        example: "expect_error(|| read_mesh(\"missing.msh\"), \"there is no file\");".into(),
-        see_also: &["read_deck", "write", "part", "rectangle", "ring"],
-        body: body(|call| {
+    parameters.push(Parameter::text("part", part).otherwise("the whole file"));
+    function(Topic::Meshes, "read_mesh")
+        .summary(
+            "a mesh from a file. Gmsh (MSH 2.2 or 4.1, ASCII or binary): physical groups are parts and boundaries. Abaqus or CalculiX \
+             (`.inp`): sets of elements are parts, surfaces and sets of nodes boundaries; several instances are parts, too, and their sets \
+             have names such as `\"Block-1.top\"`. VTU and legacy VTK: arrays of whole numbers of cells are parts such as `\"ref 1\"`, and \
+             `read_mesh` gives the bodies of frames of a run back by their names. Medit (`.mesh`), UNV, Nastran bulk data, SU2: \
+             references, groups, properties and markers are parts and boundaries",
+        )
+        .parameters(vec![
+            Parameter::text("path", "the file, below the script's folder or a folder that `--allow-read` names"),
+            Parameter::options("how it is read").otherwise("its defaults").keys(parameters),
+        ])
+        .returns(MeshHandle::NAME)
+        .see_also(&["read_deck", "write", "part", "rectangle", "ring"])
+        .example("expect_error(|| read_mesh(\"missing.msh\"), \"there is no file\");")
+        .body(|call| {
             let argument = call.argument("path");
             let (path, options) = (argument.text()?, call.options("options")?);
             let file = readable(&argument, &path)?;
             let find = |name: &str| included(call, &file, name);
-            let part = options.argument("part");
-            let part = if part.is_given() { Some(part.text()?) } else { None };
+            let part = options.argument("part").given(Argument::text)?;
             let read = mesh::read_mesh_with(&file, ReadOptions { part, ..read_options(&options)? }, Some(&find));
             let (mesh, notes) = read.map_err(|error| read_failure(&argument, &path, &file, &error))?;
             notes_warned(call, &path, &notes);
             Ok(Dynamic::from(MeshHandle::new(mesh)))
-        }),
-    }
+        })
 }
 
 /// Options of functions that read mesh files.
@@ -59,8 +54,8 @@ pub fn reading_parameters() -> Vec<Parameter> {
     let skip = "whether elements that are no cells (springs, masses, beams, shells beside cells) are left out with a warning or refused";
     let shells = "whether shells and membranes of a file without other cells are refused or read as plane cells";
     vec![
-        Parameter::new("skip", Kind::Choice(&["warn", "error"]), skip).or(Absent::Text("warn")),
-        Parameter::new("shells", Kind::Choice(&["error", "plane"]), shells).or(Absent::Text("error")),
+        Parameter::new("skip", Kind::Choice(&["warn", "error"]), skip).or("warn"),
+        Parameter::new("shells", Kind::Choice(&["error", "plane"]), shells).or("error"),
     ]
 }
 
@@ -131,21 +126,18 @@ pub fn read_failure(argument: &Argument, path: &str, file: &Path, error: &MeshEr
 }
 
 fn writer() -> Function {
-    Function {
-        name: "write",
-        form: Form::Method(MeshHandle::receiver()),
-        topic: Topic::Meshes,
-        summary: "writes the mesh as a Gmsh file (MSH 4.1, ASCII); boundaries and parts become physical groups, and `read_mesh` gives the \
-                  same mesh again",
-        parameters: vec![path_parameter("a `.msh` file below the output folder")],
-        returns: "",
-        example: "rectangle(#{ size: [2.0, 1.0], cells: [8, 4] }).write(\"plate.msh\");".into(),
-        see_also: &["read_mesh"],
-        body: body(|call| {
-            let mesh = call.receiver::<MeshHandle>().mesh();
+    method_of::<MeshHandle>(Topic::Meshes, "write")
+        .summary(
+            "writes the mesh as a Gmsh file (MSH 4.1, ASCII); boundaries and parts become physical groups, and `read_mesh` gives the same \
+             mesh again",
+        )
+        .parameters(vec![path_parameter("a `.msh` file below the output folder")])
+        .see_also(&["read_mesh"])
+        .example("rectangle(#{ size: [2.0, 1.0], cells: [8, 4] }).write(\"plate.msh\");")
+        .body(|call, handle| {
+            let mesh = handle.mesh();
             Ok(write(call, None, &[".msh"], || Ok(mesh.to_gmsh().into_bytes()))?)
-        }),
-    }
+        })
 }
 
 /// A line of a text file, counted from 1 and shortened.

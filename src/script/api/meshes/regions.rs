@@ -1,11 +1,10 @@
 //! Regions bounded by curves: lines, arcs and splines, and the function that fills the inside with cells.
 
-use rhai::{Array, Dynamic, EvalAltResult, FnPtr};
+use rhai::{EvalAltResult, FnPtr};
 
 use super::handle::MeshHandle;
 use super::kinds::{PLANE, element, kind_of};
 use super::layers;
-use crate::math::catalogue::Interval;
 use crate::math::tolerances::SUM_OF_LENGTHS;
 use crate::mesh::{self, CellSize, Curve, MeshError, OutlineSide, SelectionError};
 use crate::script::api::remedies::ScriptWords;
@@ -70,44 +69,41 @@ impl CurveHandle {
 }
 
 fn region() -> Function {
-    Function {
-        name: "region",
-        form: Form::Function,
-        topic: Topic::Meshes,
-        summary: "unstructured cells inside an outline of lines, arcs and splines, with the boundaries `outer`, `hole 1`, … and \
-                  the names of curves",
-        parameters: vec![Parameter::new(
-            "options",
-            Kind::Options(vec![
-                Parameter::new(
-                    "outline",
-                    Kind::Either("an array that begins with a point `[x, y]`, then points and curves, or a `circle`"),
-                    "the start, then the curves; a point alone is a straight line to it, and a line closes an open outline",
-                )
-                .of("length"),
-                Parameter::new(
-                    "size",
-                    Kind::Either("a number or a closure `|x, y| …`"),
-                    "the approximate length of a cell's edges; a closure gives it for each place",
-                )
-                .of("length"),
-                Parameter::new("holes", Kind::Array, "holes, each like an outline").of("length").or(Absent::Means("none")),
-                layers::parameter(),
-                element(PLANE),
-            ]),
-            "outline and size",
-        )],
-        returns: MeshHandle::NAME,
-        example: "let cam = region(#{\n    outline: [\n        [0.0, -1.0],\n        arc_to(#{ to: [0.0, 1.0], center: [0.0, 0.0], name: \
+    function(Topic::Meshes, "region")
+        .summary(
+            "unstructured cells inside an outline of lines, arcs and splines, with the boundaries `outer`, `hole 1`, … and the names of \
+             curves",
+        )
+        .parameters(vec![Parameter::options("outline and size")])
+        .keys(vec![
+            Parameter::new(
+                "outline",
+                Kind::Either("an array that begins with a point `[x, y]`, then points and curves, or a `circle`"),
+                "the start, then the curves; a point alone is a straight line to it, and a line closes an open outline",
+            )
+            .of("length"),
+            Parameter::new(
+                "size",
+                Kind::Either("a number or a closure `|x, y| …`"),
+                "the approximate length of a cell's edges; a closure gives it for each place",
+            )
+            .of("length"),
+            Parameter::array("holes", "holes, each like an outline").of("length").otherwise("none"),
+            layers::parameter(),
+            element(PLANE),
+        ])
+        .returns(MeshHandle::NAME)
+        .see_also(&["polygon", "line_to", "arc_to", "spline_to", "circle", "refine_where", "read_mesh"])
+        .example(
+            "let cam = region(#{\n    outline: [\n        [0.0, -1.0],\n        arc_to(#{ to: [0.0, 1.0], center: [0.0, 0.0], name: \
                   \"base\" }),\n        spline_to([[-1.2, 0.7], [-1.8, 0.0], [-1.2, -0.7], [0.0, -1.0]], \"nose\"),\n    ],\n    holes: \
                   [circle(#{ center: [0.0, 0.0], radius: 0.3, name: \"bore\" })],\n    size: |x, y| 0.08 + 0.05 * abs(x + 0.9),\n});\n\
                   // six layers around a hole, each 1.3 times as thick as the one before it\n\
                   let plate = region(#{\n    outline: [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]],\n    \
                   holes: [circle(#{ center: [0.0, 0.0], radius: 0.3, name: \"bore\" })],\n    size: 0.15,\n    \
-                  layers: #{ boundary: \"bore\", first: 0.005, count: 6, growth: 1.3, along: 0.05 },\n});"
-            .into(),
-        see_also: &["polygon", "line_to", "arc_to", "spline_to", "circle", "refine_where", "read_mesh"],
-        body: body(|call| {
+                  layers: #{ boundary: \"bore\", first: 0.005, count: 6, growth: 1.3, along: 0.05 },\n});",
+        )
+        .body(|call| {
             let options = call.options("options")?;
             let (kind, layers) = (kind_of(&options)?, layers::layers_of(&options)?);
             let argument = options.argument("outline");
@@ -132,8 +128,7 @@ fn region() -> Function {
                 None => with_size(&options, |size| mesh::layered_region(&outline, &holes, size, kind, layers.as_ref()))?,
             };
             Ok(Dynamic::from(MeshHandle::new(made)))
-        }),
-    }
+        })
 }
 
 /// Error of a size function: the script's closure fails, or the mesh refuses the size.
@@ -158,8 +153,7 @@ fn with_size<T>(options: &Options, make: impl FnOnce(CellSize<SizeError>) -> Res
                 match as_number(&value) {
                     Some(size) if size.is_finite() && size > 0.0 => Ok(size),
                     _ => {
-                        let failure =
-                            argument.fail(format!("{} must give a number greater than 0", argument.title())).code(causes::OUT_OF_RANGE);
+                        let failure = argument.wrong(causes::OUT_OF_RANGE, "must give a number greater than 0");
                         let given = format!("at [{x}, {y}] this gives {}", describe(call.engine(), &value));
                         let failure = failure.label(given).hint("write `|x, y| 0.05 + 0.1 * abs(x)`");
                         Err(SelectionError::Condition(failure.into()))
@@ -189,9 +183,7 @@ fn closed_loop(argument: &Argument, value: &Dynamic) -> Result<Vec<OutlineSide>,
         return Ok(vec![curve.side([0.0; 2]).map_err(refused)?]);
     }
     let wrong = |what: String| {
-        let failure = argument
-            .fail(format!("{} must begin with a point `[x, y]` and go on with points and curves", argument.title()))
-            .code(causes::WRONG_TYPE);
+        let failure = argument.wrong(causes::WRONG_TYPE, "must begin with a point `[x, y]` and go on with points and curves");
         failure.label(what).hint("write `[[0.0, 0.0], line_to([1.0, 0.0], \"floor\"), [1.0, 1.0]]`, or a `circle` alone")
     };
     let Some(entries) = value.read_lock::<Array>() else { return Err(wrong(format!("this is {}", describe(engine, value)))) };
@@ -229,7 +221,7 @@ fn closed_loop(argument: &Argument, value: &Dynamic) -> Result<Vec<OutlineSide>,
 
 /// Parameter for the name of a curve's boundary.
 fn name_parameter() -> Parameter {
-    Parameter::new("name", Kind::Text, "the boundary that it becomes").or(Absent::Means("none of its own"))
+    Parameter::text("name", "the boundary that it becomes").otherwise("none of its own")
 }
 
 fn name_of(arguments: &impl Arguments) -> Result<Option<String>, Failure> {
@@ -241,49 +233,38 @@ fn plane_point(argument: &Argument) -> Result<Point, Failure> {
 }
 
 fn line_to() -> Function {
-    Function {
-        name: "line_to",
-        form: Form::Function,
-        topic: Topic::Meshes,
-        summary: "a straight side of a `region`, from where the curve before it ends",
-        parameters: vec![Parameter::new("to", Kind::Vector, "where it ends").of("length"), name_parameter()],
-        returns: CurveHandle::NAME,
-        example: "let floor = line_to([2.0, 0.0], \"floor\");".into(),
-        see_also: &["region", "arc_to", "spline_to"],
-        body: body(|call| {
+    function(Topic::Meshes, "line_to")
+        .summary("a straight side of a `region`, from where the curve before it ends")
+        .parameters(vec![Parameter::vector("to", "where it ends").of("length"), name_parameter()])
+        .returns(CurveHandle::NAME)
+        .see_also(&["region", "arc_to", "spline_to"])
+        .example("let floor = line_to([2.0, 0.0], \"floor\");")
+        .body(|call| {
             let kind = CurveKind::Line { to: plane_point(&call.argument("to"))? };
             Ok(Dynamic::from(CurveHandle { kind, name: name_of(call)? }))
-        }),
-    }
+        })
 }
 
 fn arc_to() -> Function {
-    Function {
-        name: "arc_to",
-        form: Form::Function,
-        topic: Topic::Meshes,
-        summary: "a side of a `region` that is an arc of a circle, from where the curve before it ends: about a center, or through a point",
-        parameters: vec![Parameter::new(
-            "options",
-            Kind::Options(vec![
-                Parameter::new("to", Kind::Vector, "where it ends").of("length"),
-                Parameter::new("center", Kind::Vector, "the center, as far from the end as from the start")
-                    .of("length")
-                    .or(Absent::Means("follows from `through`")),
-                Parameter::new("through", Kind::Vector, "a point on the arc between its ends")
-                    .of("length")
-                    .or(Absent::Means("follows from `center`")),
-                Parameter::new("clockwise", Kind::Flag, "which way it goes about the center").or(Absent::Flag(false)),
-                name_parameter(),
-            ]),
-            "where it goes",
-        )],
-        returns: CurveHandle::NAME,
-        example: "let nose = arc_to(#{ to: [2.0, 2.0], center: [2.0, 1.0], name: \"nose\" });\n\
-                  let arch = arc_to(#{ to: [0.0, 0.0], through: [1.0, 0.5] });"
-            .into(),
-        see_also: &["region", "circle", "line_to", "spline_to"],
-        body: body(|call| {
+    function(Topic::Meshes, "arc_to")
+        .summary("a side of a `region` that is an arc of a circle, from where the curve before it ends: about a center, or through a point")
+        .parameters(vec![Parameter::options("where it goes")])
+        .keys(vec![
+            Parameter::vector("to", "where it ends").of("length"),
+            Parameter::vector("center", "the center, as far from the end as from the start")
+                .of("length")
+                .otherwise("follows from `through`"),
+            Parameter::vector("through", "a point on the arc between its ends").of("length").otherwise("follows from `center`"),
+            Parameter::flag("clockwise", "which way it goes about the center").or(false),
+            name_parameter(),
+        ])
+        .returns(CurveHandle::NAME)
+        .see_also(&["region", "circle", "line_to", "spline_to"])
+        .example(
+            "let nose = arc_to(#{ to: [2.0, 2.0], center: [2.0, 1.0], name: \"nose\" });\n\
+                  let arch = arc_to(#{ to: [0.0, 0.0], through: [1.0, 0.5] });",
+        )
+        .body(|call| {
             let options = call.options("options")?;
             let (to, name) = (plane_point(&options.argument("to"))?, name_of(&options)?);
             let (center, through) = (options.argument("center"), options.argument("through"));
@@ -291,64 +272,54 @@ fn arc_to() -> Function {
                 (true, false) => CurveKind::ArcAbout { to, center: plane_point(&center)?, is_clockwise: options.flag("clockwise")? },
                 (false, true) => CurveKind::ArcThrough { to, through: plane_point(&through)? },
                 (true, true) => {
-                    let failure = through.fail("an arc goes about a center or through a point, not both").code(causes::OPTIONS_TOGETHER);
+                    let failure = through.refuse(causes::OPTIONS_TOGETHER, "an arc goes about a center or through a point, not both");
                     return Err(failure.hint("leave out `center` or `through`").into());
                 }
                 (false, false) => {
                     return Err(call
-                        .fail("an arc needs a `center` or a point `through` which it goes")
-                        .code(causes::OPTIONS_TOGETHER)
+                        .refuse(causes::OPTIONS_TOGETHER, "an arc needs a `center` or a point `through` which it goes")
                         .hint("add one of the two")
                         .into());
                 }
             };
             Ok(Dynamic::from(CurveHandle { kind, name }))
-        }),
-    }
+        })
 }
 
 fn spline_to() -> Function {
-    Function {
-        name: "spline_to",
-        form: Form::Function,
-        topic: Topic::Meshes,
-        summary: "a smooth side of a `region` (a cubic spline) from where the curve before it ends through points to the last of them; one \
-                  that comes back to its start has no corner there",
-        parameters: vec![Parameter::new("points", Kind::Array, "the points `[x, y]` in their order").of("length"), name_parameter()],
-        returns: CurveHandle::NAME,
-        example: "let back = spline_to([[1.5, 2.2], [0.8, 1.9], [0.0, 2.0]], \"back\");".into(),
-        see_also: &["region", "arc_to", "line_to"],
-        body: body(|call| {
+    function(Topic::Meshes, "spline_to")
+        .summary(
+            "a smooth side of a `region` (a cubic spline) from where the curve before it ends through points to the last of them; one that \
+             comes back to its start has no corner there",
+        )
+        .parameters(vec![Parameter::array("points", "the points `[x, y]` in their order").of("length"), name_parameter()])
+        .returns(CurveHandle::NAME)
+        .see_also(&["region", "arc_to", "line_to"])
+        .example("let back = spline_to([[1.5, 2.2], [0.8, 1.9], [0.0, 2.0]], \"back\");")
+        .body(|call| {
             let kind = CurveKind::Spline { points: call.argument("points").points()? };
             Ok(Dynamic::from(CurveHandle { kind, name: name_of(call)? }))
-        }),
-    }
+        })
 }
 
 fn circle() -> Function {
-    Function {
-        name: "circle",
-        form: Form::Function,
-        topic: Topic::Meshes,
-        summary: "a whole circle as the outline or a hole of a `region`",
-        parameters: vec![Parameter::new(
-            "options",
-            Kind::Options(vec![
-                Parameter::new("center", Kind::Vector, "the center").of("length"),
-                Parameter::number("radius", "length", Interval::Positive, "the radius"),
-                name_parameter(),
-            ]),
-            "where and how large",
-        )],
-        returns: CurveHandle::NAME,
-        example: "let bore = circle(#{ center: [0.2, 0.0], radius: 0.4, name: \"bore\" });\n\
-                  let washer = region(#{ outline: circle(#{ center: [0.0, 0.0], radius: 1.0 }), holes: [bore], size: 0.1 });"
-            .into(),
-        see_also: &["region", "arc_to", "disk"],
-        body: body(|call| {
+    function(Topic::Meshes, "circle")
+        .summary("a whole circle as the outline or a hole of a `region`")
+        .parameters(vec![Parameter::options("where and how large")])
+        .keys(vec![
+            Parameter::vector("center", "the center").of("length"),
+            Parameter::number("radius", "length", Interval::Positive, "the radius"),
+            name_parameter(),
+        ])
+        .returns(CurveHandle::NAME)
+        .see_also(&["region", "arc_to", "disk"])
+        .example(
+            "let bore = circle(#{ center: [0.2, 0.0], radius: 0.4, name: \"bore\" });\n\
+                  let washer = region(#{ outline: circle(#{ center: [0.0, 0.0], radius: 1.0 }), holes: [bore], size: 0.1 });",
+        )
+        .body(|call| {
             let options = call.options("options")?;
             let kind = CurveKind::Circle { center: plane_point(&options.argument("center"))?, radius: options.number("radius")? };
             Ok(Dynamic::from(CurveHandle { kind, name: name_of(&options)? }))
-        }),
-    }
+        })
 }

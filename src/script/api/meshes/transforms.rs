@@ -1,9 +1,8 @@
 //! New meshes from old ones: moved, turned, scaled, mapped, refined, or a part alone.
 
-use rhai::{Array, Dynamic, EvalAltResult};
+use rhai::EvalAltResult;
 
-use super::handle::{MeshHandle, made, mesh_value, vector_or_zero};
-use crate::math::catalogue::Interval;
+use super::handle::{MeshHandle, made, mesh_value};
 use crate::mesh::SelectionError;
 use crate::script::api::remedies::ScriptWords;
 use crate::script::language::callback::Callback;
@@ -21,64 +20,53 @@ pub fn functions() -> Vec<Function> {
 }
 
 fn translate() -> Function {
-    Function {
-        name: "translate",
-        form: Form::Method(MeshHandle::receiver()),
-        topic: Topic::Meshes,
-        summary: "the mesh moved",
-        parameters: vec![Parameter::new("offset", Kind::Vector, "how far it is moved").of("length")],
-        returns: MeshHandle::NAME,
-        example: "let plate = rectangle(#{ size: [2.0, 1.0], cells: [8, 4] }).translate([1.0, 0.0]);".into(),
-        see_also: &["rotate", "scale"],
-        body: body(|call| {
-            let mesh = call.receiver::<MeshHandle>().mesh();
+    method_of::<MeshHandle>(Topic::Meshes, "translate")
+        .summary("the mesh moved")
+        .parameters(vec![Parameter::vector("offset", "how far it is moved").of("length")])
+        .returns(MeshHandle::NAME)
+        .see_also(&["rotate", "scale"])
+        .example("let plate = rectangle(#{ size: [2.0, 1.0], cells: [8, 4] }).translate([1.0, 0.0]);")
+        .body(|call, handle| {
+            let mesh = handle.mesh();
             let offset = call.argument("offset").vector(mesh.dimension())?;
             mesh_value(call, (*mesh).clone().translate(offset))
-        }),
-    }
+        })
 }
 
 fn rotate() -> Function {
-    Function {
-        name: "rotate",
-        form: Form::Method(MeshHandle::receiver()),
-        topic: Topic::Meshes,
-        summary: "the mesh turned counter-clockwise about a point (in space: about the axis through it)",
-        parameters: vec![
+    method_of::<MeshHandle>(Topic::Meshes, "rotate")
+        .summary("the mesh turned counter-clockwise about a point (in space: about the axis through it)")
+        .parameters(vec![
             Parameter::number("angle", "rad", Interval::Finite, "how far it is turned; `deg(30)` converts degrees"),
-            Parameter::new("center", Kind::Vector, "the point that stays").of("length").or(Absent::Means("the origin")),
-            Parameter::new("axis", Kind::Vector, "the direction of the axis, in space").of("1").or(Absent::Means("[0, 0, 1]")),
-        ],
-        returns: MeshHandle::NAME,
-        example: "let plate = rectangle(#{ size: [2.0, 1.0], cells: [8, 4] }).rotate(deg(30), [1.0, 0.5]);".into(),
-        see_also: &["translate", "scale", "deg"],
-        body: body(|call| {
-            let mesh = call.receiver::<MeshHandle>().mesh();
-            let (angle, center) = (call.number("angle")?, vector_or_zero(call, "center", mesh.dimension())?);
+            Parameter::vector("center", "the point that stays").of("length").otherwise("the origin"),
+            Parameter::vector("axis", "the direction of the axis, in space").of("1").otherwise("[0, 0, 1]"),
+        ])
+        .returns(MeshHandle::NAME)
+        .see_also(&["translate", "scale", "deg"])
+        .example("let plate = rectangle(#{ size: [2.0, 1.0], cells: [8, 4] }).rotate(deg(30), [1.0, 0.5]);")
+        .body(|call, handle| {
+            let mesh = handle.mesh();
+            let (angle, dimension) = (call.number("angle")?, mesh.dimension());
+            let center = call.argument("center").given(|given| given.vector(dimension))?.unwrap_or([0.0; 3]);
             if angle.abs() > MOST_TURNED {
                 let title = format!("the mesh is turned by {} rad, more than once around", brief(angle));
                 let warning = Diagnostic::warning(title, call.place(&Target::Argument(0))).code("C0263");
                 call.host.warn(warning.hint(format!("for degrees write `deg({})`", brief(angle))));
             }
-            let axis = call.argument("axis");
-            let axis = if axis.is_given() { axis.vector(3)? } else { [0.0, 0.0, 1.0] };
+            let axis = call.argument("axis").given(|given| given.vector(3))?.unwrap_or([0.0, 0.0, 1.0]);
             mesh_value(call, (*mesh).clone().rotate_about(angle, center, axis))
-        }),
-    }
+        })
 }
 
 fn scale() -> Function {
-    Function {
-        name: "scale",
-        form: Form::Method(MeshHandle::receiver()),
-        topic: Topic::Meshes,
-        summary: "the mesh scaled about the origin",
-        parameters: vec![Parameter::new("factor", Kind::Any, "a number, or one number for each direction").within(Interval::Positive)],
-        returns: MeshHandle::NAME,
-        example: "let plate = rectangle(#{ size: [2.0, 1.0], cells: [8, 4] }).scale([1.0, 0.5]);".into(),
-        see_also: &["translate", "rotate"],
-        body: body(|call| {
-            let mesh = call.receiver::<MeshHandle>().mesh();
+    method_of::<MeshHandle>(Topic::Meshes, "scale")
+        .summary("the mesh scaled about the origin")
+        .parameters(vec![Parameter::any("factor", "a number, or one number for each direction").within(Interval::Positive)])
+        .returns(MeshHandle::NAME)
+        .see_also(&["translate", "rotate"])
+        .example("let plate = rectangle(#{ size: [2.0, 1.0], cells: [8, 4] }).scale([1.0, 0.5]);")
+        .body(|call, handle| {
+            let mesh = handle.mesh();
             let argument = call.argument("factor");
             let factors = if argument.value().is_array() {
                 let factors = argument.numbers_of(mesh.dimension()).map_err(not_mirrored)?;
@@ -87,8 +75,7 @@ fn scale() -> Function {
                 [argument.number().map_err(not_mirrored)?; 3]
             };
             mesh_value(call, (*mesh).clone().scale(factors))
-        }),
-    }
+        })
 }
 
 fn not_mirrored(failure: Failure) -> Failure {
@@ -96,17 +83,14 @@ fn not_mirrored(failure: Failure) -> Failure {
 }
 
 fn map_function() -> Function {
-    Function {
-        name: "map",
-        form: Form::Method(MeshHandle::receiver()),
-        topic: Topic::Meshes,
-        summary: "the mesh with every node moved to where a closure puts it: graded, bent, curved",
-        parameters: vec![Parameter::new("place", Kind::Closure("|x, y|"), "gives the new place `[x, y]` of a node (with z in space)")],
-        returns: MeshHandle::NAME,
-        example: "let hill = rectangle(#{ size: [2.0, 1.0], cells: [16, 8] }).map(|x, y| [x, y + 0.1 * y * sin(x)]);".into(),
-        see_also: &["translate", "rotate", "scale"],
-        body: body(|call| {
-            let (mesh, place) = (call.receiver::<MeshHandle>().mesh(), call.callback("place")?);
+    method_of::<MeshHandle>(Topic::Meshes, "map")
+        .summary("the mesh with every node moved to where a closure puts it: graded, bent, curved")
+        .parameters(vec![Parameter::new("place", Kind::Closure("|x, y|"), "gives the new place `[x, y]` of a node (with z in space)")])
+        .returns(MeshHandle::NAME)
+        .see_also(&["translate", "rotate", "scale"])
+        .example("let hill = rectangle(#{ size: [2.0, 1.0], cells: [16, 8] }).map(|x, y| [x, y + 0.1 * y * sin(x)]);")
+        .body(|call, handle| {
+            let (mesh, place) = (handle.mesh(), call.callback("place")?);
             let dimension = mesh.dimension();
             let moved = (*mesh).clone().mapped(|point| vector_from(call, &place, "place", &point[..dimension]));
             match moved {
@@ -118,32 +102,26 @@ fn map_function() -> Function {
                     Err(failure.hint("a map must neither mirror nor fold the mesh: each cell keeps its sense of rotation").into())
                 }
             }
-        }),
-    }
+        })
 }
 
 fn join() -> Function {
-    Function {
-        name: "join",
-        form: Form::Method(MeshHandle::receiver()),
-        topic: Topic::Meshes,
-        summary: "this mesh and another one that shares a side with it as one mesh: nodes at the same place become one, boundaries of one \
-                  name are joined, and the common side is no boundary any more",
-        parameters: vec![Parameter::new(
-            "other",
-            Kind::Handle(MeshHandle::NAME),
-            "the other mesh, its nodes on the common side at the same places",
-        )],
-        returns: MeshHandle::NAME,
-        example: "let base = rectangle(#{ size: [4.0, 1.0], cells: [8, 2] });\n\
-                  let tooth = rectangle(#{ size: [1.0, 1.0], cells: [2, 2], origin: [1.5, 1.0] });\nprint(base.join(tooth));"
-            .into(),
-        see_also: &["part", "polygon", "tie"],
-        body: body(|call| {
-            let (mesh, other) = (call.receiver::<MeshHandle>().mesh(), call.handle::<MeshHandle>("other")?.mesh());
+    method_of::<MeshHandle>(Topic::Meshes, "join")
+        .summary(
+            "this mesh and another one that shares a side with it as one mesh: nodes at the same place become one, boundaries of one name \
+             are joined, and the common side is no boundary any more",
+        )
+        .parameters(vec![Parameter::object::<MeshHandle>("other", "the other mesh, its nodes on the common side at the same places")])
+        .returns(MeshHandle::NAME)
+        .see_also(&["part", "polygon", "tie"])
+        .example(
+            "let base = rectangle(#{ size: [4.0, 1.0], cells: [8, 2] });\n\
+                  let tooth = rectangle(#{ size: [1.0, 1.0], cells: [2, 2], origin: [1.5, 1.0] });\nprint(base.join(tooth));",
+        )
+        .body(|call, handle| {
+            let (mesh, other) = (handle.mesh(), call.handle::<MeshHandle>("other")?.mesh());
             mesh_value(call, mesh.joined(&other))
-        }),
-    }
+        })
 }
 
 /// Returns the vector that a closure gives for a point, with as many components as `point`.
@@ -162,52 +140,39 @@ pub fn vector_from(call: &Call, closure: &Callback, parameter: &str, point: &[f6
         _ => {
             let failure = call
                 .argument(parameter)
-                .fail(format!("the closure must give the {parameter} as an array of coordinates"))
-                .code(causes::CLOSURE);
-            let failure = failure.label(format!("this gives {}", describe(call.engine(), &value)));
-            Err(failure.hint("write `|x, y| [2.0 * x, y]`").into())
+                .refuse(causes::CLOSURE, format!("the closure must give the {parameter} as an array of coordinates"));
+            Err(failure.label(format!("this gives {}", describe(call.engine(), &value))).hint("write `|x, y| [2.0 * x, y]`").into())
         }
     }
 }
 
 fn refine() -> Function {
-    Function {
-        name: "refine",
-        form: Form::Method(MeshHandle::receiver()),
-        topic: Topic::Meshes,
-        summary: "the mesh with every cell split in two along each direction; curved sides stay as straight as they are",
-        parameters: vec![
-            Parameter::new("times", Kind::Integer, "how often it is split").within(Interval::Closed(0.0, 12.0)).or(Absent::Integer(1)),
-        ],
-        returns: MeshHandle::NAME,
-        example: "let plate = rectangle(#{ size: [2.0, 1.0], cells: [8, 4] }).refine();".into(),
-        see_also: &["refine_where", "quality"],
-        body: body(|call| {
-            let (mesh, times) = (call.receiver::<MeshHandle>().mesh(), call.integer("times")?);
+    method_of::<MeshHandle>(Topic::Meshes, "refine")
+        .summary("the mesh with every cell split in two along each direction; curved sides stay as straight as they are")
+        .parameters(vec![Parameter::integer("times", "how often it is split").within(Interval::Closed(0.0, 12.0)).or(1)])
+        .returns(MeshHandle::NAME)
+        .see_also(&["refine_where", "quality"])
+        .example("let plate = rectangle(#{ size: [2.0, 1.0], cells: [8, 4] }).refine();")
+        .body(|call, handle| {
+            let (mesh, times) = (handle.mesh(), call.integer("times")?);
             made(call, move || (0..times).try_fold((*mesh).clone(), |mesh, _| mesh.refine()))
-        }),
-    }
+        })
 }
 
 fn part() -> Function {
-    Function {
-        name: "part",
-        form: Form::Method(MeshHandle::receiver()),
-        topic: Topic::Meshes,
-        summary: "a part of a mesh (a physical group of its file) as a mesh of its own",
-        parameters: vec![Parameter::new("name", Kind::Text, "the name of the part")],
-        returns: MeshHandle::NAME,
-        example: "let mesh = rectangle(#{ size: [2.0, 1.0], cells: [8, 4] }); expect_error(|| mesh.part(\"left half\"), \"no part\");"
-            .into(),
-        see_also: &["read_mesh"],
-        body: body(|call| {
-            let mesh = call.receiver::<MeshHandle>().mesh();
+    method_of::<MeshHandle>(Topic::Meshes, "part")
+        .summary("a part of a mesh (a physical group of its file) as a mesh of its own")
+        .parameters(vec![Parameter::text("name", "the name of the part")])
+        .returns(MeshHandle::NAME)
+        .see_also(&["read_mesh"])
+        .example("let mesh = rectangle(#{ size: [2.0, 1.0], cells: [8, 4] }); expect_error(|| mesh.part(\"left half\"), \"no part\");")
+        .body(|call, handle| {
+            let mesh = handle.mesh();
             let argument = call.argument("name");
             let name = argument.text()?;
             match mesh.part(&name) {
                 Ok(part) => Ok(Dynamic::from(MeshHandle::new(part))),
                 Err(error) => Err(argument.fail(error.to_string()).code(error.code()).hint(error.remedy()).into()),
             }
-        }),
-    }
+        })
 }

@@ -4,12 +4,9 @@ use std::rc::Rc;
 
 use super::handle::{BodyHandle, BoundaryHandle, ModelHandle};
 use crate::dynamics::BodyBoundary;
-use crate::script::language::arguments::Argument;
 use crate::script::language::causes;
 use crate::script::language::digits::{brief, vector_text};
-use crate::script::language::failure::Failure;
-use crate::script::language::handle::Handle;
-use crate::script::language::parameter::{Kind, Parameter};
+use crate::script::language::prelude::*;
 
 /// Returns the boundary in an argument, which must belong to a body of this model.
 ///
@@ -25,7 +22,7 @@ pub fn boundary_of(argument: &Argument, model: &ModelHandle) -> Result<BodyBound
 /// A boundary of a mesh, or of another model.
 pub fn body_boundary(argument: &Argument, handle: BoundaryHandle, model: &ModelHandle) -> Result<BodyBoundary, Failure> {
     let Some(body) = &handle.body else {
-        let failure = argument.fail(format!("{} must be a boundary of a body, not of a mesh", argument.title())).code(causes::OTHER_OWNER);
+        let failure = argument.wrong(causes::OTHER_OWNER, "must be a boundary of a body, not of a mesh");
         let failure = failure.label(format!("this is boundary \"{}\" of a mesh", handle.boundary.name));
         return Err(failure.hint(format!("take it from the body that `add_body` gave: `body.boundary(\"{}\")`", handle.boundary.name)));
     };
@@ -54,7 +51,7 @@ pub fn deformable_of(argument: &Argument, model: &ModelHandle) -> Result<BodyHan
         return Ok(body);
     }
     let failure =
-        argument.fail(format!("body \"{}\" is rigid, and its cells have no mass of their own", definition.name)).code(causes::BODY_KIND);
+        argument.refuse(causes::BODY_KIND, format!("body \"{}\" is rigid, and its cells have no mass of their own", definition.name));
     Err(failure.hint("load a boundary of it with `force`, or damp it with `add_damper` or `add_bushing`; `gravity` is on all bodies"))
 }
 
@@ -65,8 +62,7 @@ fn check_model(argument: &Argument, model: &ModelHandle, body: &BodyHandle) -> R
     let (name, theirs) = (body.definition().name, body.model.0.borrow().model.name.clone());
     let ours = model.0.borrow().model.name.clone();
     Err(argument
-        .fail(format!("body \"{name}\" belongs to another model"))
-        .code(causes::OTHER_OWNER)
+        .refuse(causes::OTHER_OWNER, format!("body \"{name}\" belongs to another model"))
         .label(format!("this belongs to model \"{theirs}\""))
         .cause(format!("the call adds to model \"{ours}\""))
         .hint("add the mesh to this model too: `model.add_body(name, mesh, material)`"))
@@ -96,8 +92,7 @@ pub fn node_at_point(argument: &Argument, body: &BodyHandle, point: [f64; 3]) ->
     }
     let place = vector_text(&mesh.points[node][..dimension]);
     Err(argument
-        .fail(format!("{} is no point of body \"{}\"", argument.title(), definition.name))
-        .code(causes::OTHER_OWNER)
+        .wrong(causes::OTHER_OWNER, format!("is no point of body \"{}\"", definition.name))
         .label(format!("the nearest node is at {place}, {} away", brief(nearest)))
         .cause(format!("a cell of the body is about {} wide", brief(cell)))
         .hint("give a point of the undeformed body"))
@@ -105,5 +100,5 @@ pub fn node_at_point(argument: &Argument, body: &BodyHandle, point: [f64; 3]) ->
 
 /// A boundary as the first argument of a method.
 pub fn boundary_parameter() -> Parameter {
-    Parameter::new("boundary", Kind::Handle(BoundaryHandle::NAME), "a boundary of one of the model's bodies")
+    Parameter::object::<BoundaryHandle>("boundary", "a boundary of one of the model's bodies")
 }

@@ -2,8 +2,6 @@
 
 use std::sync::Arc;
 
-use rhai::Dynamic;
-
 use super::arguments::node_at;
 use super::handle::{BodyHandle, BoundaryHandle};
 use super::properties::member;
@@ -22,22 +20,20 @@ pub fn functions() -> Vec<Function> {
         node(),
         boundary_of_mesh(),
         boundary_where(),
-        member(BodyHandle::receiver(), "name", "the name of the body", "String", |call| {
-            call.receiver::<BodyHandle>().definition().name.into()
+        member("plate", "name", "the name of the body", "String", |body: BodyHandle| body.definition().name.into()),
+        member("plate", "mesh", "the mesh of the body at rest", MeshHandle::NAME, |body: BodyHandle| {
+            Dynamic::from(MeshHandle::shared(body.definition().mesh))
         }),
-        member(BodyHandle::receiver(), "mesh", "the mesh of the body at rest", MeshHandle::NAME, |call| {
-            Dynamic::from(MeshHandle::shared(call.receiver::<BodyHandle>().definition().mesh))
-        }),
-        member(BodyHandle::receiver(), "material", "the material of the body", MaterialHandle::NAME, |call| {
-            Dynamic::from(MaterialHandle(call.receiver::<BodyHandle>().definition().material))
+        member("plate", "material", "the material of the body", MaterialHandle::NAME, |body: BodyHandle| {
+            Dynamic::from(MaterialHandle(body.definition().material))
         }),
         member(
-            BodyHandle::receiver(),
+            "plate",
             "mass",
             "the mass of the body (per thickness in the plane, of the whole circumference around an axis)",
             "number",
-            |call| {
-                let body = call.receiver::<BodyHandle>().definition();
+            |body: BodyHandle| {
+                let body = body.definition();
                 if let Some(inertia) = body.rigid {
                     return Dynamic::from(inertia.mass);
                 }
@@ -63,99 +59,75 @@ pub fn boundary_functions() -> Vec<Function> {
 }
 
 fn boundary_of_body() -> Function {
-    Function {
-        name: "boundary",
-        form: Form::Method(BodyHandle::receiver()),
-        topic: Topic::Model,
-        summary: "a boundary of the body, or several as one, for supports, loads and contact",
-        parameters: vec![Parameter::new(
+    method_of::<BodyHandle>(Topic::Model, "boundary")
+        .summary("a boundary of the body, or several as one, for supports, loads and contact")
+        .parameters(vec![Parameter::new(
             "name",
             Kind::Either("a String or an array of them"),
             "the name of the boundary, or several names",
-        )],
-        returns: BoundaryHandle::NAME,
-        example: plate_example("print(plate.boundary(\"left\"));\nprint(plate.boundary([\"left\", \"top\"]));"),
-        see_also: &["boundary_where", "node", "fix"],
-        body: body(|call| {
-            let body = call.receiver::<BodyHandle>();
+        )])
+        .returns(BoundaryHandle::NAME)
+        .see_also(&["boundary_where", "node", "fix"])
+        .example(plate_example("print(plate.boundary(\"left\"));\nprint(plate.boundary([\"left\", \"top\"]));"))
+        .body(|call, body| {
             let mesh = body.definition().mesh;
             let boundary = named_boundary(call, &mesh)?;
             Ok(Dynamic::from(BoundaryHandle { body: Some(body), mesh, boundary }))
-        }),
-    }
+        })
 }
 
 fn node() -> Function {
-    Function {
-        name: "node",
-        form: Form::Method(BodyHandle::receiver()),
-        topic: Topic::Model,
-        summary: "the node of the body nearest to a point, as a boundary that can be held, moved or loaded with a force",
-        parameters: vec![Parameter::new("point", Kind::Vector, "the point in the undeformed body").of("length")],
-        returns: BoundaryHandle::NAME,
-        example: plate_example("press.fix(plate.node([0.0, 0.0]));\npress.force(plate.node([2.0, 1.0]), [0.0, -5.0]);"),
-        see_also: &["boundary", "fix", "force"],
-        body: body(|call| {
-            let body = call.receiver::<BodyHandle>();
+    method_of::<BodyHandle>(Topic::Model, "node")
+        .summary("the node of the body nearest to a point, as a boundary that can be held, moved or loaded with a force")
+        .parameters(vec![Parameter::vector("point", "the point in the undeformed body").of("length")])
+        .returns(BoundaryHandle::NAME)
+        .see_also(&["boundary", "fix", "force"])
+        .example(plate_example("press.fix(plate.node([0.0, 0.0]));\npress.force(plate.node([2.0, 1.0]), [0.0, -5.0]);"))
+        .body(|call, body| {
             let boundary = Boundary::of_node(node_at(&call.argument("point"), &body)?);
             let mesh = body.definition().mesh;
             Ok(Dynamic::from(BoundaryHandle { body: Some(body), mesh, boundary }))
-        }),
-    }
+        })
 }
 
 fn boundary_of_mesh() -> Function {
-    Function {
-        name: "boundary",
-        form: Form::Method(MeshHandle::receiver()),
-        topic: Topic::Meshes,
-        summary: "a boundary of the mesh, for inspection; supports, loads and contact take boundaries of bodies",
-        parameters: vec![name_parameter()],
-        returns: BoundaryHandle::NAME,
-        example: "print(rectangle(#{ size: [2.0, 1.0], cells: [4, 2] }).boundary(\"left\"));".into(),
-        see_also: &["boundary_where"],
-        body: body(|call| {
-            let mesh = call.receiver::<MeshHandle>().mesh();
+    method_of::<MeshHandle>(Topic::Meshes, "boundary")
+        .summary("a boundary of the mesh, for inspection; supports, loads and contact take boundaries of bodies")
+        .parameters(vec![name_parameter()])
+        .returns(BoundaryHandle::NAME)
+        .see_also(&["boundary_where"])
+        .example("print(rectangle(#{ size: [2.0, 1.0], cells: [4, 2] }).boundary(\"left\"));")
+        .body(|call, handle| {
+            let mesh = handle.mesh();
             let boundary = named_boundary(call, &mesh)?;
             Ok(Dynamic::from(BoundaryHandle { body: None, mesh, boundary }))
-        }),
-    }
+        })
 }
 
 fn boundary_where() -> Function {
-    Function {
-        name: "boundary_where",
-        form: Form::Method(BodyHandle::receiver()),
-        topic: Topic::Model,
-        summary: "a new boundary of the body: all facets of its hull at whose nodes a condition holds",
-        parameters: condition_parameters(),
-        returns: BoundaryHandle::NAME,
-        example: plate_example("press.fix(plate.boundary_where(\"foot\", |x, y| x < 0.51 && y < 0.01));"),
-        see_also: &["boundary"],
-        body: body(|call| {
-            let body = call.receiver::<BodyHandle>();
+    method_of::<BodyHandle>(Topic::Model, "boundary_where")
+        .summary("a new boundary of the body: all facets of its hull at whose nodes a condition holds")
+        .parameters(condition_parameters())
+        .returns(BoundaryHandle::NAME)
+        .see_also(&["boundary"])
+        .example(plate_example("press.fix(plate.boundary_where(\"foot\", |x, y| x < 0.51 && y < 0.01));"))
+        .body(|call, body| {
             let mesh = Arc::new(with_boundary_where(call, &body.definition().mesh)?);
             body.model.0.borrow_mut().model.bodies[body.index].mesh = mesh.clone();
             let boundary = named_boundary(call, &mesh)?;
             Ok(Dynamic::from(BoundaryHandle { body: Some(body), mesh, boundary }))
-        }),
-    }
+        })
 }
 
 fn of_boundary(name: &'static str, summary: &'static str, returns: &'static str, read: fn(&BoundaryHandle) -> Dynamic) -> Function {
-    Function {
-        name,
-        form: Form::Property(BoundaryHandle::receiver()),
-        topic: Topic::Meshes,
-        summary,
-        parameters: Vec::new(),
-        returns,
-        example: format!("print(rectangle(#{{ size: [2.0, 1.0], cells: [4, 2] }}).boundary(\"left\").{name});").into(),
-        see_also: &["boundary"],
-        body: body(move |call| Ok(read(&call.receiver::<BoundaryHandle>()))),
-    }
+    property_of::<BoundaryHandle>(Topic::Meshes, name)
+        .summary(summary)
+        .returns(returns)
+        .see_also(&["boundary"])
+        .example(format!("print(rectangle(#{{ size: [2.0, 1.0], cells: [4, 2] }}).boundary(\"left\").{name});"))
+        .body(move |_, boundary| Ok(read(&boundary)))
 }
 
 fn name_parameter() -> Parameter {
-    Parameter::new("name", Kind::Text, "the name of the boundary")
+    Parameter::text("name", "the name of the boundary")
 }

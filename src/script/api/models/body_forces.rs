@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use rhai::{Dynamic, FnPtr};
+use rhai::FnPtr;
 
 use super::arguments::deformable_of;
 use super::change::change;
@@ -14,26 +14,21 @@ use crate::script::language::prelude::*;
 
 /// Function `body_force` of scripts.
 pub fn body_force() -> Function {
-    Function {
-        name: "body_force",
-        form: Form::Method(ModelHandle::receiver()),
-        topic: Topic::Model,
-        summary: "loads a body with a force per mass that a closure of position, velocity and time gives; its work is part of `load_work`",
-        parameters: vec![
-            Parameter::new("name", Kind::Text, "its name, unique among springs, dampers, chambers and masses"),
-            Parameter::new("body", Kind::Handle(BodyHandle::NAME), "the body"),
+    method_of::<ModelHandle>(Topic::Model, "body_force")
+        .summary("loads a body with a force per mass that a closure of position, velocity and time gives; its work is part of `load_work`")
+        .parameters(vec![
+            Parameter::text("name", "its name, unique among springs, dampers, chambers and masses"),
+            Parameter::object::<BodyHandle>("body", "the body"),
             Parameter::new(
                 "force",
                 Kind::Closure("|x, v, t|"),
                 "the force per mass as an array, of position and velocity as arrays, and time",
             )
             .of("length/time^2"),
-        ],
-        returns: "",
-        example: plate_example("press.body_force(\"to the center\", plate, |x, v, t| [-4.0 * x[0], -4.0 * x[1]]);"),
-        see_also: &["gravity", "rotating_frame", "force", "add_damping"],
-        body: body(|call| {
-            let model = call.receiver::<ModelHandle>();
+        ])
+        .see_also(&["gravity", "rotating_frame", "force", "add_damping"])
+        .example(plate_example("press.body_force(\"to the center\", plate, |x, v, t| [-4.0 * x[0], -4.0 * x[1]]);"))
+        .body(|call, model| {
             let (name, body) = (call.name("name")?, deformable_of(&call.argument("body"), &model)?);
             let argument = call.argument("force");
             let value = argument.value();
@@ -46,6 +41,5 @@ pub fn body_force() -> Function {
             let part = BodyForceDefinition { name, body: body.index, definition, field };
             change(call, &model, |data| data.model.parts.push(Arc::new(part)))?;
             Ok(Dynamic::UNIT)
-        }),
-    }
+        })
 }

@@ -4,8 +4,6 @@ use std::cell::RefCell;
 use std::rc::Rc;
 use std::sync::Arc;
 
-use rhai::{Array, Dynamic};
-
 use super::arguments::body_of;
 use super::change::{change, change_without_bodies};
 use super::data::ModelData;
@@ -26,44 +24,36 @@ use crate::script::language::prelude::*;
 
 /// `model`: an empty model.
 pub fn model() -> Function {
-    Function {
-        name: "model",
-        form: Form::Function,
-        topic: Topic::Model,
-        summary: "an empty model",
-        parameters: vec![Parameter::new("name", Kind::Text, "its name, for messages and files")],
-        returns: ModelHandle::NAME,
-        example: "let bearing = model(\"bearing\");".into(),
-        see_also: &["add_body", "simulate"],
-        body: body(|call| {
+    function(Topic::Model, "model")
+        .summary("an empty model")
+        .parameters(vec![Parameter::text("name", "its name, for messages and files")])
+        .returns(ModelHandle::NAME)
+        .see_also(&["add_body", "simulate"])
+        .example("let bearing = model(\"bearing\");")
+        .body(|call| {
             let data = ModelData { model: Model { name: call.name("name")?, ..Model::default() }, ..ModelData::default() };
             Ok(Dynamic::from(ModelHandle(Rc::new(RefCell::new(data)))))
-        }),
-    }
+        })
 }
 
 /// `add_body`: a mesh with its material.
 pub fn add_body() -> Function {
-    Function {
-        name: "add_body",
-        form: Form::Method(ModelHandle::receiver()),
-        topic: Topic::Model,
-        summary: "adds a body to the model",
-        parameters: vec![
-            Parameter::new("name", Kind::Text, "its name, unique in the model"),
-            Parameter::new("mesh", Kind::Handle(MeshHandle::NAME), "its mesh at rest"),
-            Parameter::new("material", Kind::Handle(MaterialHandle::NAME), "its material"),
-            Parameter::new("formulation", Kind::Options(formulation_keys()), "its formulation").or(Absent::Means("as written there")),
-        ],
-        returns: BodyHandle::NAME,
-        example: plate_example(
+    method_of::<ModelHandle>(Topic::Model, "add_body")
+        .summary("adds a body to the model")
+        .parameters(vec![
+            Parameter::text("name", "its name, unique in the model"),
+            Parameter::object::<MeshHandle>("mesh", "its mesh at rest"),
+            Parameter::object::<MaterialHandle>("material", "its material"),
+            Parameter::map("formulation", "its formulation").otherwise("as written there").keys(formulation_keys()),
+        ])
+        .returns(BodyHandle::NAME)
+        .see_also(&["model", "fix", "add_contact"])
+        .example(plate_example(
             "let seal = rectangle(#{ size: [1.0, 1.0], cells: [4, 4], origin: [3.0, 0.0] });\n\
              let rubber = neo_hookean(#{ youngs_modulus: 1.0, poisson_ratio: 0.4999, density: 1.0 });\n\
              press.add_body(\"seal\", seal, rubber, #{ dilatation: \"mean\" });",
-        ),
-        see_also: &["model", "fix", "add_contact"],
-        body: body(|call| {
-            let model = call.receiver::<ModelHandle>();
+        ))
+        .body(|call, model| {
             let (name, mut mesh) = (call.name("name")?, call.handle::<MeshHandle>("mesh")?.mesh());
             let MaterialHandle(material) = call.handle("material")?;
             let formulation = formulation_of(&call.options("formulation")?, &mesh, &material)?;
@@ -84,8 +74,7 @@ pub fn add_body() -> Function {
             change(call, &model, |data| data.model.bodies.push(definition))?;
             let index = model.0.borrow().model.bodies.len() - 1;
             Ok(Dynamic::from(BodyHandle { model, index }))
-        }),
-    }
+        })
 }
 
 /// Refuses a mesh whose surface intersects itself, and warns of other faults of the surface.
@@ -118,18 +107,18 @@ fn formulation_keys() -> Vec<Parameter> {
             "plane strain or plane stress (forces are per thickness), or a body of revolution about the y axis with x as its radius \
              (forces are those of the whole circumference)",
         )
-        .or(Absent::Text(PLANES[0])),
+        .or(PLANES[0]),
         Parameter::new(
             "dilatation",
             Kind::Choice(&DILATATIONS),
             "the change of volume at every point, or one mean for each cell, which does not lock where the material hardly changes its \
              volume; of `quad9` and `hex27` cells also linear in each cell, which is more accurate",
         )
-        .or(Absent::Means(
+        .otherwise(
             "where Poisson's ratio is 0.49 or more or the material flows plastically, and the law has a volumetric part, `\"linear\"` for \
              `quad9` and `hex27` and `\"mean\"` for all others but `tri3` and `tet4`; otherwise `\"pointwise\"`",
-        )),
-        Parameter::new("rigid", Kind::Flag, "whether it is rigid: of its material only the density is used").or(Absent::Flag(false)),
+        ),
+        Parameter::flag("rigid", "whether it is rigid: of its material only the density is used").or(false),
     ]
 }
 
@@ -161,92 +150,65 @@ fn formulation_of(options: &Options, mesh: &Mesh, material: &Material) -> Result
 
 /// `gravity`: the acceleration of all bodies.
 pub fn gravity() -> Function {
-    Function {
-        name: "gravity",
-        form: Form::Method(ModelHandle::receiver()),
-        topic: Topic::Model,
-        summary: "sets the acceleration of gravity of all bodies; one that varies has no potential, its work is that of a load",
-        parameters: vec![
-            Parameter::new("acceleration", Kind::Vector, "the acceleration").of("length/time^2"),
-            Parameter::new("amplitude", Kind::Amplitude, "its size over time, as a factor").or(Absent::Means("constant")),
-        ],
-        returns: "",
-        example: plate_example("press.gravity([0.0, -9.81]);\npress.gravity([0.0, -9.81], ramp(0.0, 0.1, 1.0));"),
-        see_also: &["traction", "force"],
-        body: body(|call| {
-            let model = call.receiver::<ModelHandle>();
+    method_of::<ModelHandle>(Topic::Model, "gravity")
+        .summary("sets the acceleration of gravity of all bodies; one that varies has no potential, its work is that of a load")
+        .parameters(vec![
+            Parameter::vector("acceleration", "the acceleration").of("length/time^2"),
+            Parameter::amplitude("amplitude", "its size over time, as a factor").otherwise("constant"),
+        ])
+        .see_also(&["traction", "force"])
+        .example(plate_example("press.gravity([0.0, -9.81]);\npress.gravity([0.0, -9.81], ramp(0.0, 0.1, 1.0));"))
+        .body(|call, model| {
             let argument = call.argument("acceleration");
             let undecided =
                 model.0.borrow().model.bodies.is_empty() && argument.value().read_lock::<Array>().is_some_and(|array| array.len() == 3);
             let dimension = if undecided { 3 } else { model.0.borrow().model.dimension() };
             let gravity = argument.vector(dimension)?;
-            let amplitude = call.argument("amplitude");
-            let amplitude = if amplitude.is_given() { Some(amplitude_of(&amplitude)?) } else { None };
+            let amplitude = call.argument("amplitude").given(amplitude_of)?;
             change_without_bodies(call, &model, |data| {
                 data.model.gravity = gravity;
                 data.model.gravity_amplitude = amplitude;
             })?;
             Ok(Dynamic::UNIT)
-        }),
-    }
+        })
 }
 
 /// `initial_velocity`: initial translation and rotation of a body.
 pub fn initial_velocity() -> Function {
-    Function {
-        name: "initial_velocity",
-        form: Form::Method(ModelHandle::receiver()),
-        topic: Topic::Model,
-        summary: "lets a body start with a velocity and a spin about its center of mass",
-        parameters: vec![
-            Parameter::new("body", Kind::Handle(BodyHandle::NAME), "the body"),
-            Parameter::new(
-                "velocity",
-                Kind::Options(vec![
-                    Parameter::new("linear", Kind::Vector, "the velocity of the center of mass")
-                        .of("length/time")
-                        .or(Absent::Means("at rest")),
-                    Parameter::new("angular", Kind::Number, "the angular velocity, counter-clockwise; in space a vector is allowed too")
-                        .of("1/time")
-                        .or(Absent::Means("no spin")),
-                ]),
-                "the velocities",
-            ),
-        ],
-        returns: "",
-        example: plate_example("press.initial_velocity(plate, #{ linear: [1.0, 0.0], angular: 2.0 });"),
-        see_also: &["add_body"],
-        body: body(|call| {
-            let model = call.receiver::<ModelHandle>();
+    method_of::<ModelHandle>(Topic::Model, "initial_velocity")
+        .summary("lets a body start with a velocity and a spin about its center of mass")
+        .parameters(vec![Parameter::object::<BodyHandle>("body", "the body"), Parameter::map("velocity", "the velocities")])
+        .keys(vec![
+            Parameter::vector("linear", "the velocity of the center of mass").of("length/time").otherwise("at rest"),
+            Parameter::new("angular", Kind::Number, "the angular velocity, counter-clockwise; in space a vector is allowed too")
+                .of("1/time")
+                .otherwise("no spin"),
+        ])
+        .see_also(&["add_body"])
+        .example(plate_example("press.initial_velocity(plate, #{ linear: [1.0, 0.0], angular: 2.0 });"))
+        .body(|call, model| {
             let body = body_of(&call.argument("body"), &model)?;
             let options = call.options("velocity")?;
             let dimension = model.0.borrow().model.dimension();
-            let linear = options.argument("linear");
-            let linear = if linear.is_given() { linear.vector(dimension)? } else { [0.0; 3] };
+            let linear = options.argument("linear").given(|given| given.vector(dimension))?.unwrap_or([0.0; 3]);
             let angular = angular(&options, dimension)?;
             change(call, &model, |data| data.model.initial_velocities.push(InitialVelocity { body: body.index, linear, angular }))?;
             Ok(Dynamic::UNIT)
-        }),
-    }
+        })
 }
 
 /// `initial_displacement`: displaces a body at the start.
 pub fn initial_displacement() -> Function {
-    Function {
-        name: "initial_displacement",
-        form: Form::Method(ModelHandle::receiver()),
-        topic: Topic::Model,
-        summary: "lets the nodes of a body start displaced from its mesh, which stays without stress: the body is strained from the start",
-        parameters: vec![
-            Parameter::new("body", Kind::Handle(BodyHandle::NAME), "the body"),
+    method_of::<ModelHandle>(Topic::Model, "initial_displacement")
+        .summary("lets the nodes of a body start displaced from its mesh, which stays without stress: the body is strained from the start")
+        .parameters(vec![
+            Parameter::object::<BodyHandle>("body", "the body"),
             Parameter::new("displacement", Kind::Closure("|x, y|"), "the displacement of a point as an array, with z in space")
                 .of("length"),
-        ],
-        returns: "",
-        example: plate_example("press.initial_displacement(plate, |x, y| [0.1 * x, 0.0]);"),
-        see_also: &["initial_velocity", "map"],
-        body: body(|call| {
-            let model = call.receiver::<ModelHandle>();
+        ])
+        .see_also(&["initial_velocity", "map"])
+        .example(plate_example("press.initial_displacement(plate, |x, y| [0.1 * x, 0.0]);"))
+        .body(|call, model| {
             let (body, closure) = (body_of(&call.argument("body"), &model)?, call.callback("displacement")?);
             let mesh = body.definition().mesh;
             let displacement = mesh.points.iter().map(|point| vector_from(call, &closure, "displacement", &point[..mesh.dimension()]));
@@ -254,30 +216,23 @@ pub fn initial_displacement() -> Function {
             let initial = InitialDisplacement { body: body.index, displacement };
             change(call, &model, |data| data.model.initial_displacements.push(initial))?;
             Ok(Dynamic::UNIT)
-        }),
-    }
+        })
 }
 
 /// `check`: errors and suspicious properties of a model that are found without a computation.
 pub fn check() -> Function {
-    Function {
-        name: "check",
-        form: Form::Method(ModelHandle::receiver()),
-        topic: Topic::Model,
-        summary: "checks the model without computing a step; gives an array of sentences about suspicious contacts and bodies that lock",
-        parameters: Vec::new(),
-        returns: "Array",
-        example: plate_example("for finding in press.check() { print(finding); }"),
-        see_also: &["simulate", "add_contact"],
-        body: body(|call| {
-            let model = call.receiver::<ModelHandle>();
+    method_of::<ModelHandle>(Topic::Model, "check")
+        .summary("checks the model without computing a step; gives an array of sentences about suspicious contacts and bodies that lock")
+        .returns("Array")
+        .see_also(&["simulate", "add_contact"])
+        .example(plate_example("for finding in press.check() { print(finding); }"))
+        .body(|call, model| {
             let model = &model.0.borrow().model;
             model.check().map_err(|error| call.fail(error.to_string()).code(error.code()).hint(error.remedy()))?;
             let sentence = |(contact, finding): (String, Finding)| format!("contact \"{contact}\": {finding}; {}", finding.hint());
             let locking = model.locking().into_iter().map(|body| format!("{body}; {}", body.remedy()));
             Ok(model.findings().into_iter().map(sentence).chain(locking).map(Dynamic::from).collect::<Array>().into())
-        }),
-    }
+        })
 }
 
 /// An angular velocity: a number about the third axis, or in space a vector.

@@ -2,8 +2,6 @@
 
 use std::sync::Arc;
 
-use rhai::{Array, Dynamic};
-
 use super::change::change;
 use super::handle::{BodyHandle, ModelHandle};
 use super::motors::bodies_of;
@@ -14,39 +12,34 @@ use crate::script::language::prelude::*;
 /// Function `add_bushing` of scripts.
 pub fn add_bushing() -> Function {
     let keys = vec![
-        Parameter::new("from", Kind::Handle(BodyHandle::NAME), "a rigid body"),
+        Parameter::object::<BodyHandle>("from", "a rigid body"),
         Parameter::new("to", Kind::Either("a Body or \"ground\""), "what it holds it to: another rigid body, with which its axes turn"),
-        Parameter::new("point", Kind::Vector, "where it is at rest, on both").of("length"),
-        Parameter::new("axis", Kind::Vector, "its first axis at rest").of("1").or(Absent::Means("the axis x")),
-        Parameter::new(
+        Parameter::vector("point", "where it is at rest, on both").of("length"),
+        Parameter::vector("axis", "its first axis at rest").of("1").otherwise("the axis x"),
+        Parameter::array(
             "stiffness",
-            Kind::Array,
             "of each motion of `from` against `to`, along the axes and then about them, 3 numbers in the plane and 6 in space (forces per \
              length, moments per radian; plane: per thickness), or rows of a symmetric matrix",
         ),
-        Parameter::new("damping", Kind::Array, "the same by the rates of these motions").or(Absent::Means("none")),
+        Parameter::array("damping", "the same by the rates of these motions").otherwise("none"),
     ];
-    Function {
-        name: "add_bushing",
-        form: Form::Method(ModelHandle::receiver()),
-        topic: Topic::Model,
-        summary: "holds a rigid body to another one, or to the ground, by stiffness and damping against all relative motions, as a rubber \
-                  mount does: its energy is part of `potential`; the history has its `displacement`, `angle`, `force`, \
-                  `moment` and `energy`",
-        parameters: vec![
-            Parameter::new("name", Kind::Text, "its name, unique among springs, dampers, chambers and masses"),
-            Parameter::new("options", Kind::Options(keys), "bodies, place, stiffness and damping"),
-        ],
-        returns: "",
-        example: plate_example(
+    method_of::<ModelHandle>(Topic::Model, "add_bushing")
+        .summary(
+            "holds a rigid body to another one, or to the ground, by stiffness and damping against all relative motions, as a rubber mount \
+             does: its energy is part of `potential`; the history has its `displacement`, `angle`, `force`, `moment` and `energy`",
+        )
+        .parameters(vec![
+            Parameter::text("name", "its name, unique among springs, dampers, chambers and masses"),
+            Parameter::options("bodies, place, stiffness and damping").keys(keys),
+        ])
+        .see_also(&["add_joint", "add_spring", "add_damper"])
+        .example(plate_example(
             "let engine = press.add_rigid_body(\"engine\", rectangle(#{ size: [1.0, 0.5], cells: [2, 1], origin: [5.0, 0.0] }), #{ \
              density: 1.0 });\n\
              press.add_bushing(\"mount\", #{ from: engine, to: \"ground\", point: [5.5, 0.0], stiffness: [50.0, 80.0, 5.0], damping: [0.5, \
              0.8, 0.05] });",
-        ),
-        see_also: &["add_joint", "add_spring", "add_damper"],
-        body: body(|call| {
-            let model = call.receiver::<ModelHandle>();
+        ))
+        .body(|call, model| {
             let (name, options) = (call.name("name")?, call.options("options")?);
             let bodies = bodies_of(&options, &model, "a bushing holds")?;
             let dimension = model.0.borrow().model.dimension();
@@ -54,11 +47,7 @@ pub fn add_bushing() -> Function {
             let axis = options.argument("axis");
             let axis_vector = if axis.is_given() { axis.vector(dimension)? } else { [1.0, 0.0, 0.0] };
             if axis_vector == [0.0; 3] {
-                return Err(axis
-                    .fail(format!("{} has no direction", axis.title()))
-                    .code(causes::NO_DIRECTION)
-                    .hint("such as `[1.0, 0.0]`")
-                    .into());
+                return Err(axis.wrong(causes::NO_DIRECTION, "has no direction").hint("such as `[1.0, 0.0]`").into());
             }
             let axes = across(axis_vector);
             let count = if dimension == 2 { 3 } else { 6 };
@@ -68,8 +57,7 @@ pub fn add_bushing() -> Function {
             let bushing = BushingDefinition { name, bodies, point, axes, stiffness, damping };
             change(call, &model, |data| data.model.parts.push(Arc::new(bushing)))?;
             Ok(Dynamic::UNIT)
-        }),
-    }
+        })
 }
 
 /// Returns a square matrix, given by its diagonal or its rows, row by row.
@@ -84,9 +72,7 @@ fn matrix_of(argument: &Argument, count: usize) -> Result<Vec<f64>, Failure> {
     match found {
         Some(found) if found.len() == count => Ok(found.concat()),
         _ => {
-            let failure = argument
-                .fail(format!("{} must be {count} numbers, or {count} rows of {count} numbers", argument.title()))
-                .code(causes::WRONG_TYPE);
+            let failure = argument.wrong(causes::WRONG_TYPE, format!("must be {count} numbers, or {count} rows of {count} numbers"));
             Err(failure.hint("along the axes, then about them: in the plane `[kx, ky, k_angle]`, in space `[kx, ky, kz, kxx, kyy, kzz]`"))
         }
     }

@@ -2,8 +2,6 @@
 
 use std::sync::Arc;
 
-use rhai::Dynamic;
-
 use super::arguments::{boundary_of, deformable_of};
 use super::change::change;
 use super::ends::{constants_parameter, end_parameters, ends_of, one_of, text_of};
@@ -11,7 +9,6 @@ use super::handle::{BodyHandle, BoundaryHandle, ModelHandle};
 use crate::bodies::nodal_areas;
 use crate::dynamics::{DamperDefinition, DamperElement, DragDefinition, DragTarget, Viscous};
 use crate::materials::Viscosity;
-use crate::math::catalogue::Interval;
 use crate::script::api::examples::{TOUCH, plate_example};
 use crate::script::language::digits::number_text;
 use crate::script::language::prelude::*;
@@ -19,12 +16,11 @@ use crate::script::language::prelude::*;
 /// Parameters of a force as a function of a speed.
 fn law_parameters(of_coefficient: &'static str) -> [Parameter; 5] {
     [
-        Parameter::number("coefficient", "any", Interval::Positive, of_coefficient).or(Absent::Means("`force` is given")),
-        Parameter::number("exponent", "1", Interval::Positive, "the force grows with this power of the speed").or(Absent::Number(1.0)),
+        Parameter::number("coefficient", "any", Interval::Positive, of_coefficient).otherwise("`force` is given"),
+        Parameter::number("exponent", "1", Interval::Positive, "the force grows with this power of the speed").or(1.0),
         Parameter::number("smoothing", "length/time", Interval::Positive, "speed below which a power less than 1 is linear")
-            .or(Absent::Means("none, for powers from 1 on")),
-        Parameter::new("force", Kind::Text, "the force as text in the speed `v`, such as `\"c*v + d*v^3\"`")
-            .or(Absent::Means("`coefficient` is given")),
+            .otherwise("none, for powers from 1 on"),
+        Parameter::text("force", "the force as text in the speed `v`, such as `\"c*v + d*v^3\"`").otherwise("`coefficient` is given"),
         constants_parameter(),
     ]
 }
@@ -35,7 +31,7 @@ fn law_of(options: &Options) -> Result<Viscous, Failure> {
         let (coefficient, exponent) = (options.number("coefficient")?, options.number("exponent")?);
         let smoothing = options.optional_number("smoothing")?;
         if exponent < 1.0 && smoothing.is_none() {
-            let failure = options.argument("smoothing").fail("a power less than 1 needs `smoothing`").code(causes::OPTIONS_TOGETHER);
+            let failure = options.argument("smoothing").refuse(causes::OPTIONS_TOGETHER, "a power less than 1 needs `smoothing`");
             let failure = failure.cause(format!("the exponent is {}, and the force would jump at rest", number_text(exponent)));
             return Err(failure.hint("give a speed far below those of the motion, below which the force is linear"));
         }
@@ -63,53 +59,45 @@ fn law_of(options: &Options) -> Result<Viscous, Failure> {
 pub fn add_damper() -> Function {
     let mut keys = end_parameters();
     keys.extend(law_parameters("force at speed 1, `[force (time/length)^exponent]` (plane: per thickness)"));
-    Function {
-        name: "add_damper",
-        form: Form::Method(ModelHandle::receiver()),
-        topic: Topic::Model,
-        summary: "joins points of bodies, centroids of boundaries or the ground by a damper, whose force opposes the speed at which its \
-                  ends move apart: linear, a power, or a text; the history has its `speed`, `force` and `dissipation`, the heat of each \
-                  step",
-        parameters: vec![
-            Parameter::new("name", Kind::Text, "its name, unique among springs, dampers, chambers and masses"),
-            Parameter::new("options", Kind::Options(keys), "ends and law"),
-        ],
-        returns: "",
-        example: plate_example(&format!(
+    method_of::<ModelHandle>(Topic::Model, "add_damper")
+        .summary(
+            "joins points of bodies, centroids of boundaries or the ground by a damper, whose force opposes the speed at which its ends \
+             move apart: linear, a power, or a text; the history has its `speed`, `force` and `dissipation`, the heat of each step",
+        )
+        .parameters(vec![
+            Parameter::text("name", "its name, unique among springs, dampers, chambers and masses"),
+            Parameter::options("ends and law").keys(keys),
+        ])
+        .see_also(&["add_spring", "add_chamber", "viscous"])
+        .example(plate_example(&format!(
             "{TOUCH}press.add_damper(\"closer\", #{{ from: plate.boundary(\"top\"), to: \"ground\", to_point: [1.0, 3.0], coefficient: 2.0 \
              }});\npress.add_damper(\"orifice\", #{{ from: plate, from_point: [1.0, 1.0], to: table, to_point: [1.0, -1.0],\n    force: \
              \"c*v*abs(v)\", constants: #{{ c: 0.5 }} }});\nprint(press);"
-        )),
-        see_also: &["add_spring", "add_chamber", "viscous"],
-        body: body(|call| {
-            let model = call.receiver::<ModelHandle>();
+        )))
+        .body(|call, model| {
             let (name, options) = (call.name("name")?, call.options("options")?);
             let (ends, law) = (ends_of(&options, &model)?, law_of(&options)?);
             change(call, &model, |data| data.model.parts.push(Arc::new(DamperDefinition { name, ends, element: DamperElement(law) })))?;
             Ok(Dynamic::UNIT)
-        }),
-    }
+        })
 }
 
 /// Function `add_drag` of scripts.
 pub fn add_drag() -> Function {
-    let mut keys = vec![Parameter::new("boundary", Kind::Handle(BoundaryHandle::NAME), "the boundary on which it acts")];
+    let mut keys = vec![Parameter::object::<BoundaryHandle>("boundary", "the boundary on which it acts")];
     keys.extend(law_parameters("force per area at speed 1, `[stress (time/length)^exponent]`"));
-    Function {
-        name: "add_drag",
-        form: Form::Method(ModelHandle::receiver()),
-        topic: Topic::Model,
-        summary: "applies the drag of a medium at rest to a boundary: a force per undeformed area against the velocity of each node, \
-                  linear, a power, or a text in the speed; it takes momentum, and the history has its `dissipation`",
-        parameters: vec![
-            Parameter::new("name", Kind::Text, "its name, unique among springs, dampers, chambers and masses"),
-            Parameter::new("options", Kind::Options(keys), "boundary and law"),
-        ],
-        returns: "",
-        example: plate_example("press.add_drag(\"air\", #{ boundary: plate.boundary(\"top\"), coefficient: 0.02, exponent: 2.0 });"),
-        see_also: &["add_damper", "add_damping"],
-        body: body(|call| {
-            let model = call.receiver::<ModelHandle>();
+    method_of::<ModelHandle>(Topic::Model, "add_drag")
+        .summary(
+            "applies the drag of a medium at rest to a boundary: a force per undeformed area against the velocity of each node, linear, a \
+             power, or a text in the speed; it takes momentum, and the history has its `dissipation`",
+        )
+        .parameters(vec![
+            Parameter::text("name", "its name, unique among springs, dampers, chambers and masses"),
+            Parameter::options("boundary and law").keys(keys),
+        ])
+        .see_also(&["add_damper", "add_damping"])
+        .example(plate_example("press.add_drag(\"air\", #{ boundary: plate.boundary(\"top\"), coefficient: 0.02, exponent: 2.0 });"))
+        .body(|call, model| {
             let (name, options) = (call.name("name")?, call.options("options")?);
             let (argument, law) = (options.argument("boundary"), law_of(&options)?);
             let on = boundary_of(&argument, &model)?;
@@ -120,40 +108,32 @@ pub fn add_drag() -> Function {
             };
             if on.boundary.facets.is_empty() {
                 return Err(argument
-                    .fail("drag needs a boundary with facets")
-                    .code(causes::EMPTY)
+                    .refuse(causes::EMPTY, "drag needs a boundary with facets")
                     .hint("choose a boundary that has facets")
                     .into());
             }
             let on = DragTarget::Nodes(on.body, shares, law);
             change(call, &model, |data| data.model.parts.push(Arc::new(DragDefinition { name, on })))?;
             Ok(Dynamic::UNIT)
-        }),
-    }
+        })
 }
 
 /// Function `add_damping` of scripts.
 pub fn add_damping() -> Function {
-    let rate = |name, dimension, what| Parameter::number(name, dimension, Interval::NonNegative, what).or(Absent::Number(0.0));
+    let rate = |name, dimension, what| Parameter::number(name, dimension, Interval::NonNegative, what).or(0.0);
     let keys = vec![
         rate("mass", "1/time", "the rate alpha: a mode of circular frequency w loses the share alpha/(2 w) of the critical damping"),
         rate("stiffness", "time", "the time beta: such a mode loses the share beta w/2"),
     ];
-    Function {
-        name: "add_damping",
-        form: Form::Method(ModelHandle::receiver()),
-        topic: Topic::Model,
-        summary: "damps a body as Rayleigh does: proportional to its mass, as drag that takes momentum and has a column \
-                  `damping of ….dissipation`, and to its stiffness at rest, as a viscosity of its material, which keeps momenta",
-        parameters: vec![
-            Parameter::new("body", Kind::Handle(BodyHandle::NAME), "the body"),
-            Parameter::new("options", Kind::Options(keys), "both shares"),
-        ],
-        returns: "",
-        example: plate_example("press.add_damping(plate, #{ mass: 2.0, stiffness: 1e-4 });"),
-        see_also: &["add_drag", "add_damper", "viscous"],
-        body: body(|call| {
-            let model = call.receiver::<ModelHandle>();
+    method_of::<ModelHandle>(Topic::Model, "add_damping")
+        .summary(
+            "damps a body as Rayleigh does: proportional to its mass, as drag that takes momentum and has a column `damping of \
+             ….dissipation`, and to its stiffness at rest, as a viscosity of its material, which keeps momenta",
+        )
+        .parameters(vec![Parameter::object::<BodyHandle>("body", "the body"), Parameter::options("both shares").keys(keys)])
+        .see_also(&["add_drag", "add_damper", "viscous"])
+        .example(plate_example("press.add_damping(plate, #{ mass: 2.0, stiffness: 1e-4 });"))
+        .body(|call, model| {
             let (body, options) = (deformable_of(&call.argument("body"), &model)?, call.options("options")?);
             let (rate, time) = (options.number("mass")?, options.number("stiffness")?);
             let mut definition = body.definition();
@@ -174,6 +154,5 @@ pub fn add_damping() -> Function {
                 }
             })?;
             Ok(Dynamic::UNIT)
-        }),
-    }
+        })
 }

@@ -1,7 +1,5 @@
 //! Options common to springs and dampers: their ends, and laws as text with constants.
 
-use rhai::Map;
-
 use super::arguments::{body_boundary, body_of, node_at};
 use super::handle::{BodyHandle, BoundaryHandle, ModelHandle};
 use crate::bodies::{BarycentricMap, nodal_areas};
@@ -10,10 +8,8 @@ use crate::materials::{EnergyError, ScalarText};
 use crate::math::norms::largest_extent;
 use crate::math::tolerances::SAME_NODE;
 use crate::script::api::materials::energies::refused;
-use crate::script::language::arguments::{Argument, Arguments, Options};
 use crate::script::language::causes;
-use crate::script::language::failure::Failure;
-use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::prelude::*;
 use crate::script::language::values::{as_number, describe};
 use crate::script::language::wording::did_you_mean;
 
@@ -26,7 +22,7 @@ pub fn end_parameters() -> Vec<Parameter> {
     let point = |name| {
         let what =
             "a point of the body while it is undeformed: the nearest node, of a rigid body or the ground that point; none for a boundary";
-        Parameter::new(name, Kind::Vector, what).of("length").or(Absent::Means("the centroid of the boundary, which then is the end"))
+        Parameter::vector(name, what).of("length").otherwise("the centroid of the boundary, which then is the end")
     };
     vec![end("from", "what is at one end"), point("from_point"), end("to", "what is at the other end"), point("to_point")]
 }
@@ -40,8 +36,7 @@ pub fn ends_of(options: &Options, model: &ModelHandle) -> Result<[End; 2], Failu
     match ends.iter().all(|end| end.body().is_none()) {
         true => Err(options
             .argument("to")
-            .fail("both ends are on the ground")
-            .code(causes::OTHER_OWNER)
+            .refuse(causes::OTHER_OWNER, "both ends are on the ground")
             .hint("give a body or a boundary for one of them")),
         false => Ok(ends),
     }
@@ -57,7 +52,7 @@ fn end_of(options: &Options, model: &ModelHandle, key: &str, point_key: &str) ->
         let on = body_boundary(&argument, argument.handle()?, model)?;
         if point.is_given() {
             let failure =
-                point.fail(format!("`{point_key}` is given beside a boundary, whose centroid is the end")).code(causes::OPTIONS_TOGETHER);
+                point.refuse(causes::OPTIONS_TOGETHER, format!("`{point_key}` is given beside a boundary, whose centroid is the end"));
             return Err(failure.hint(format!("leave it out, or give the body as `{key}`")));
         }
         let data = model.0.borrow();
@@ -65,8 +60,7 @@ fn end_of(options: &Options, model: &ModelHandle, key: &str, point_key: &str) ->
         let shares = nodal_areas(&body.mesh, &on.boundary, body.formulation.plane);
         if shares.is_empty() {
             return Err(argument
-                .fail(format!("boundary \"{}\" is empty", on.boundary.name))
-                .code(causes::EMPTY)
+                .refuse(causes::EMPTY, format!("boundary \"{}\" is empty", on.boundary.name))
                 .hint("choose a boundary that has facets"));
         }
         return Ok(End::mean(on.body, &shares));
@@ -76,8 +70,7 @@ fn end_of(options: &Options, model: &ModelHandle, key: &str, point_key: &str) ->
     }
     if !point.is_given() {
         return Err(point
-            .fail(format!("`{point_key}` is missing"))
-            .code(causes::OPTIONS_TOGETHER)
+            .refuse(causes::OPTIONS_TOGETHER, format!("`{point_key}` is missing"))
             .hint(format!("give the point at which the end is, `{point_key}: [x, y]`")));
     }
     if value.is::<BodyHandle>() {
@@ -104,7 +97,7 @@ fn on_rigid(argument: &Argument, body: &BodyHandle) -> Result<Option<Vec<(u32, f
 
 /// Parameter `constants`: values of the named constants in a formula that is given as text.
 pub fn constants_parameter() -> Parameter {
-    Parameter::new("constants", Kind::Either("an object map of numbers"), "values of the names in the text").or(Absent::Means("none"))
+    Parameter::new("constants", Kind::Either("an object map of numbers"), "values of the names in the text").otherwise("none")
 }
 
 /// Returns a function of one variable that an argument gives as text, with the constants in the options; `what` describes it, such as `the
@@ -122,11 +115,11 @@ pub fn text_of(options: &Options, argument: &Argument, variable: &str, what: &st
         for (name, value) in map {
             let number = as_number(&value).filter(|number| number.is_finite());
             let Some(number) = number else {
-                let failure = given.fail(format!("the constant `{name}` must be a finite number")).code(causes::OUT_OF_RANGE);
+                let failure = given.refuse(causes::OUT_OF_RANGE, format!("the constant `{name}` must be a finite number"));
                 return Err(failure.label(format!("it is {}", describe(argument.call().engine(), &value))));
             };
             if !names.iter().any(|known| *known == *name) {
-                let failure = given.fail(format!("{what} names no constant `{name}`")).code(causes::NO_SUCH);
+                let failure = given.refuse(causes::NO_SUCH, format!("{what} names no constant `{name}`"));
                 let suggestion = did_you_mean(&name, names.iter().map(String::as_str)).unwrap_or_else(|| "remove it".into());
                 return Err(failure.hint(suggestion));
             }
@@ -143,8 +136,7 @@ pub fn text_of(options: &Options, argument: &Argument, variable: &str, what: &st
     let function = ScalarText::new(&text, variable, &constants, what).map_err(|error| refused(argument, &in_words(error)))?;
     match function.is_undefined_at(&[0.0]) {
         Some(_) => Err(argument
-            .fail(format!("{what} has no finite value and slope at `{variable}` = 0"))
-            .code(causes::OUT_OF_RANGE)
+            .refuse(causes::OUT_OF_RANGE, format!("{what} has no finite value and slope at `{variable}` = 0"))
             .hint("check its text at this value")),
         None => Ok(function),
     }
@@ -159,16 +151,13 @@ pub fn one_of(options: &Options, keys: &[&str]) -> Result<usize, Failure> {
     let given: Vec<usize> = (0..keys.len()).filter(|&k| options.argument(keys[k]).is_given()).collect();
     match given[..] {
         [one] => Ok(one),
-        [] => Err(options
-            .argument(keys[0])
-            .fail(format!("one of {listed} is missing"))
-            .code(causes::OPTIONS_TOGETHER)
-            .hint("give one of them")),
+        [] => {
+            Err(options.argument(keys[0]).refuse(causes::OPTIONS_TOGETHER, format!("one of {listed} is missing")).hint("give one of them"))
+        }
         [first, second, ..] => {
             let failure = options
                 .argument(keys[second])
-                .fail(format!("`{}` and `{}` are both given", keys[first], keys[second]))
-                .code(causes::OPTIONS_TOGETHER);
+                .refuse(causes::OPTIONS_TOGETHER, format!("`{}` and `{}` are both given", keys[first], keys[second]));
             Err(failure.hint(format!("give one of {listed}")))
         }
     }

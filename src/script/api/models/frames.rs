@@ -2,8 +2,6 @@
 
 use std::sync::Arc;
 
-use rhai::Dynamic;
-
 use super::change::change;
 use super::handle::ModelHandle;
 use crate::dynamics::{AxisRotation, RotatingFrameDefinition, Spin};
@@ -15,37 +13,33 @@ use crate::script::language::values::as_number;
 /// Function `rotating_frame` of scripts.
 pub fn rotating_frame() -> Function {
     let keys = vec![
-        Parameter::new("velocity", Kind::Amplitude, "the angular velocity, a number or a function of time").of("1/time"),
-        Parameter::new("axis", Kind::Vector, "the axis, in space: the frame turns about it counter-clockwise")
+        Parameter::amplitude("velocity", "the angular velocity, a number or a function of time").of("1/time"),
+        Parameter::vector("axis", "the axis, in space: the frame turns about it counter-clockwise")
             .of("1")
-            .or(Absent::Means("the third axis of plane models, that of symmetry of bodies of revolution")),
-        Parameter::new("center", Kind::Vector, "a point of the axis").of("length").or(Absent::Means("the origin")),
+            .otherwise("the third axis of plane models, that of symmetry of bodies of revolution"),
+        Parameter::vector("center", "a point of the axis").of("length").otherwise("the origin"),
     ];
-    Function {
-        name: "rotating_frame",
-        form: Form::Method(ModelHandle::receiver()),
-        topic: Topic::Model,
-        summary: "makes all positions and velocities relative to a rotating frame: on every mass act the centrifugal force, with a \
-                  potential if the velocity is constant, the Coriolis force, which does no work, and Euler's force if the velocity varies, \
-                  whose work is that of a load; in equilibria only the centrifugal force acts",
-        parameters: vec![Parameter::new("options", Kind::Options(keys), "how it turns")],
-        returns: "",
-        example: plate_example("press.rotating_frame(#{ velocity: 0.5, center: [1.0, 0.0] });\nprint(press);"),
-        see_also: &["gravity", "body_force"],
-        body: body(|call| {
-            let (model, options) = (call.receiver::<ModelHandle>(), call.options("options")?);
+    method_of::<ModelHandle>(Topic::Model, "rotating_frame")
+        .summary(
+            "makes all positions and velocities relative to a rotating frame: on every mass act the centrifugal force, with a potential if \
+             the velocity is constant, the Coriolis force, which does no work, and Euler's force if the velocity varies, whose work is \
+             that of a load; in equilibria only the centrifugal force acts",
+        )
+        .parameters(vec![Parameter::options("how it turns").keys(keys)])
+        .see_also(&["gravity", "body_force"])
+        .example(plate_example("press.rotating_frame(#{ velocity: 0.5, center: [1.0, 0.0] });\nprint(press);"))
+        .body(|call, model| {
+            let options = call.options("options")?;
             let definition = frame_of(&options, &model)?;
             if model.0.borrow().model.parts.iter().any(|part| part.is_gyroscopic()) {
                 return Err(call
-                    .fail("the model has a rotating frame already")
-                    .code(causes::NAME_TAKEN)
+                    .refuse(causes::NAME_TAKEN, "the model has a rotating frame already")
                     .hint("give one velocity, about one axis")
                     .into());
             }
             change(call, &model, |data| data.model.parts.push(Arc::new(definition)))?;
             Ok(Dynamic::UNIT)
-        }),
-    }
+        })
 }
 
 /// Returns the rotating frame in the options; the direction of its axis follows from the bodies.
@@ -69,8 +63,7 @@ fn frame_of(options: &Options, model: &ModelHandle) -> Result<RotatingFrameDefin
         (2, true) => {
             let which = if is_round { "that of symmetry" } else { "the third one" };
             return Err(axis
-                .fail(format!("the model has two dimensions: its frame turns about one axis, {which}"))
-                .code(causes::DIMENSION)
+                .refuse(causes::DIMENSION, format!("the model has two dimensions: its frame turns about one axis, {which}"))
                 .hint("remove the option"));
         }
         (_, false) => return Err(axis.missing()),
@@ -78,7 +71,7 @@ fn frame_of(options: &Options, model: &ModelHandle) -> Result<RotatingFrameDefin
     };
     let place = if center.is_given() { center.vector(dimension)? } else { [0.0; 3] };
     if is_round && place[0] != 0.0 {
-        let failure = center.fail("the frame of bodies of revolution turns about their axis").code(causes::DIMENSION);
+        let failure = center.refuse(causes::DIMENSION, "the frame of bodies of revolution turns about their axis");
         return Err(failure.hint("remove the option, or give a point with the radius 0"));
     }
     Ok(RotatingFrameDefinition { axis, center: place, velocity })

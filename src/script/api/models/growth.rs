@@ -2,13 +2,12 @@
 
 use std::sync::Arc;
 
-use rhai::{Dynamic, EvalAltResult, FnPtr};
+use rhai::{EvalAltResult, FnPtr};
 
 use super::change::change;
 use super::handle::BodyHandle;
 use crate::bodies::Plane;
 use crate::dynamics::{Growth, InitialDisplacement};
-use crate::math::catalogue::Interval;
 use crate::script::api::examples::plate_example;
 use crate::script::language::callback::Callback;
 use crate::script::language::digits::number_text;
@@ -17,30 +16,27 @@ use crate::script::language::values::{as_number, describe};
 
 /// Function `grow` of scripts.
 pub fn grow() -> Function {
-    Function {
-        name: "grow",
-        form: Form::Method(BodyHandle::receiver()),
-        topic: Topic::Model,
-        summary: "makes the stress-free body larger or smaller by a factor while its nodes stay where they are, so that it starts \
-                  strained: a shrink fit, or warming by `1 + alpha dT`, uniform or, by a closure of position, nonuniform; its mass is \
-                  kept, \
-                  `settle` finds the equilibrium",
-        parameters: vec![
+    method_of::<BodyHandle>(Topic::Model, "grow")
+        .summary(
+            "makes the stress-free body larger or smaller by a factor while its nodes stay where they are, so that it starts strained: a \
+             shrink fit, or warming by `1 + alpha dT`, uniform or, by a closure of position, nonuniform; its mass is kept, `settle` finds \
+             the equilibrium",
+        )
+        .parameters(vec![
             Parameter::new(
                 "factor",
                 Kind::Either("a number greater than 0 or a closure `|x, y| …`"),
                 "stress-free length over the present one; a closure, of z too in space, is evaluated once at the nodes of the mesh",
             )
             .of("1"),
-        ],
-        returns: "",
-        example: plate_example(
+        ])
+        .see_also(&["initial_displacement", "settle"])
+        .example(plate_example(
             "plate.grow(1.002);\nplate.grow(|x, y| 1.0 + 1e-3 * y);\n\
              let sim = simulate(press, #{ integrator: energy_momentum(), dt: 0.01 });\nsim.settle();",
-        ),
-        see_also: &["initial_displacement", "settle"],
-        body: body(|call| {
-            let (body, argument) = (call.receiver::<BodyHandle>(), call.argument("factor"));
+        ))
+        .body(|call, body| {
+            let argument = call.argument("factor");
             if !argument.is_given() {
                 return Err(argument.missing().into());
             }
@@ -55,8 +51,7 @@ pub fn grow() -> Function {
                 None => return Err(argument.wrong_type().into()),
             }
             Ok(Dynamic::UNIT)
-        }),
-    }
+        })
 }
 
 /// Applies a swelling factor, given by a closure at the nodes of a body, in addition to earlier swelling.
@@ -67,7 +62,7 @@ fn grow_by(call: &Call, body: &BodyHandle, closure: &Callback) -> Result<Dynamic
     for (factor, point) in factors.iter_mut().zip(&mesh.points) {
         let value = closure.call(point[..mesh.dimension()].iter().map(|&coordinate| Dynamic::from(coordinate)))?;
         let Some(number) = as_number(&value) else {
-            let failure = call.argument("factor").fail("the closure must give the factor as a number").code(causes::CLOSURE);
+            let failure = call.argument("factor").refuse(causes::CLOSURE, "the closure must give the factor as a number");
             return Err(failure
                 .label(format!("this gives {}", describe(call.engine(), &value)))
                 .hint("write `|x, y| 1.0 + 1e-3 * y`")

@@ -1,12 +1,9 @@
 //! Options of a joint for dry friction.
 
 use crate::dynamics::{Coordinate, JointDefinition, JointFriction};
-use crate::math::catalogue::Interval;
-use crate::script::language::arguments::{Arguments, Options};
 use crate::script::language::causes;
 use crate::script::language::digits::number_text;
-use crate::script::language::failure::Failure;
-use crate::script::language::parameter::{Absent, Parameter};
+use crate::script::language::prelude::*;
 
 /// Parameters for the friction of a joint.
 pub fn friction_options() -> Vec<Parameter> {
@@ -18,21 +15,21 @@ pub fn friction_options() -> Vec<Parameter> {
             "the coefficient of dry friction: of a slider or a slot times the reaction across its line, of a hinge or a `point` times the \
              reaction and `radius`, of a link or a cable times `preload`",
         )
-        .or(Absent::Means("no friction by the reaction")),
+        .otherwise("no friction by the reaction"),
         Parameter::number(
             "radius",
             "length",
             Interval::Positive,
             "the radius of the bearing or ball at which the friction of a hinge or `point` acts",
         )
-        .or(Absent::Means("the joint does not turn, or has no `friction`")),
+        .otherwise("the joint does not turn, or has no `friction`"),
         Parameter::number(
             "preload",
             "force",
             Interval::NonNegative,
             "the force that presses the sliding surfaces together in addition to the reaction, as in a clamped bearing; with `friction`",
         )
-        .or(Absent::Number(0.0)),
+        .or(0.0),
         Parameter::number(
             "friction_moment",
             "force * length",
@@ -40,14 +37,14 @@ pub fn friction_options() -> Vec<Parameter> {
             "the constant dry friction of a hinge or a `point`, whatever the reaction, in space about any axis: a seal, `frictionloss` of \
              MuJoCo, the friction torque preload of Adams",
         )
-        .or(Absent::Number(0.0)),
+        .or(0.0),
         Parameter::number(
             "friction_force",
             "force",
             Interval::NonNegative,
             "the constant dry friction of a slider or a slot, and along a cable or a link with `limits` or `drive`, whatever the reaction",
         )
-        .or(Absent::Number(0.0)),
+        .or(0.0),
     ]
 }
 
@@ -59,7 +56,7 @@ pub fn friction_of(options: &Options, joint: &JointDefinition, dimension: usize)
     }
     let refused = |key: &str, why: String, hint: &str| {
         let argument = options.argument(key);
-        Err(argument.fail(format!("{} {why}", argument.title())).code(causes::OPTIONS_TOGETHER).hint(hint))
+        Err(argument.wrong(causes::OPTIONS_TOGETHER, why).hint(hint))
     };
     let rotates = joint.kind.rotates(dimension);
     let kind = joint.kind.name();

@@ -2,14 +2,11 @@
 
 use std::sync::Arc;
 
-use rhai::Dynamic;
-
 use super::arguments::{boundary_of, boundary_parameter};
 use super::change::change;
 use super::data::LoadNote;
 use super::handle::ModelHandle;
 use crate::dynamics::{Amplitude, Load, LoadKind};
-use crate::math::catalogue::Interval;
 use crate::math::norms::length;
 use crate::script::api::examples::plate_example;
 use crate::script::api::time_functions::{RecordedTimeFunction, amplitude_of};
@@ -46,82 +43,61 @@ fn directed(
     what: &'static str,
     kind: fn([f64; 3]) -> LoadKind,
 ) -> Function {
-    Function {
-        name,
-        form: Form::Method(ModelHandle::receiver()),
-        topic: Topic::Model,
-        summary,
-        parameters: vec![boundary_parameter(), Parameter::new("vector", Kind::Vector, what).of(dimension), amplitude_parameter()],
-        returns: "",
-        example: plate_example(&format!("press.{name}(plate.boundary(\"right\"), [0.0, -5.0], ramp(0.0, 0.1, 1.0));")),
-        see_also: &["torque", "gravity", "hat", "ramp", "sine", "table"],
-        body: body(move |call| {
-            let dimension = call.receiver::<ModelHandle>().0.borrow().model.dimension();
+    method_of::<ModelHandle>(Topic::Model, name)
+        .summary(summary)
+        .parameters(vec![boundary_parameter(), Parameter::vector("vector", what).of(dimension), amplitude_parameter()])
+        .see_also(&["torque", "gravity", "hat", "ramp", "sine", "table"])
+        .example(plate_example(&format!("press.{name}(plate.boundary(\"right\"), [0.0, -5.0], ramp(0.0, 0.1, 1.0));")))
+        .body(move |call, model| {
+            let dimension = model.0.borrow().model.dimension();
             let vector = call.argument("vector").vector(dimension)?;
             let word = format!("{name} {}", vector_text(&vector[..dimension]));
             Ok(add_load(call, kind(vector), &word)?)
-        }),
-    }
+        })
 }
 
 fn pressure() -> Function {
-    Function {
-        name: "pressure",
-        form: Form::Method(ModelHandle::receiver()),
-        topic: Topic::Model,
-        summary: "loads a boundary with a pressure against its deformed surface",
-        parameters: vec![
+    method_of::<ModelHandle>(Topic::Model, "pressure")
+        .summary("loads a boundary with a pressure against its deformed surface")
+        .parameters(vec![
             boundary_parameter(),
             Parameter::number("pressure", "stress", Interval::Finite, "the pressure at amplitude 1; positive pushes into the body"),
             amplitude_parameter(),
-        ],
-        returns: "",
-        example: plate_example("press.pressure(plate.boundary(\"top\"), 50.0, ramp(0.0, 0.1, 1.0));"),
-        see_also: &["traction", "force"],
-        body: body(|call| {
+        ])
+        .see_also(&["traction", "force"])
+        .example(plate_example("press.pressure(plate.boundary(\"top\"), 50.0, ramp(0.0, 0.1, 1.0));"))
+        .body(|call, _| {
             let pressure = call.number("pressure")?;
             Ok(add_load(call, LoadKind::Pressure(pressure), &format!("pressure {}", number_text(pressure)))?)
-        }),
-    }
+        })
 }
 
 fn torque() -> Function {
-    Function {
-        name: "torque",
-        form: Form::Method(ModelHandle::receiver()),
-        topic: Topic::Model,
-        summary: "loads a boundary with a torque about the third axis, in space about any, as nodal forces without resultant",
-        parameters: vec![
+    method_of::<ModelHandle>(Topic::Model, "torque")
+        .summary("loads a boundary with a torque about the third axis, in space about any, as nodal forces without resultant")
+        .parameters(vec![
             boundary_parameter(),
-            Parameter::new("amplitude", Kind::Amplitude, "the torque over time, counter-clockwise").of("force * length"),
-            Parameter::new("axis", Kind::Vector, "the direction of the axis, in space; it stays as the body turns")
-                .of("1")
-                .or(Absent::Means("[0, 0, 1]")),
-        ],
-        returns: "",
-        example: plate_example("press.torque(plate.boundary(\"left\"), |t| if t < 0.1 { 5.0 } else { 0.0 });"),
-        see_also: &["force", "traction", "hat"],
-        body: body(|call| {
-            let (dimension, argument) = (call.receiver::<ModelHandle>().0.borrow().model.dimension(), call.argument("axis"));
+            Parameter::amplitude("amplitude", "the torque over time, counter-clockwise").of("force * length"),
+            Parameter::vector("axis", "the direction of the axis, in space; it stays as the body turns").of("1").otherwise("[0, 0, 1]"),
+        ])
+        .see_also(&["force", "traction", "hat"])
+        .example(plate_example("press.torque(plate.boundary(\"left\"), |t| if t < 0.1 { 5.0 } else { 0.0 });"))
+        .body(|call, model| {
+            let (dimension, argument) = (model.0.borrow().model.dimension(), call.argument("axis"));
             if !argument.is_given() {
                 return Ok(add_load(call, LoadKind::Torque([0.0, 0.0, 1.0]), "torque")?);
             }
             if dimension == 2 {
-                let failure = argument.fail("the model is plane: a torque turns about the third axis").code(causes::DIMENSION);
+                let failure = argument.refuse(causes::DIMENSION, "the model is plane: a torque turns about the third axis");
                 return Err(failure.hint("leave the axis out").into());
             }
             let axis = argument.vector(3)?;
             let size = length(axis);
             if size == 0.0 {
-                return Err(argument
-                    .fail(format!("{} has no direction", argument.title()))
-                    .code(causes::NO_DIRECTION)
-                    .hint("such as `[1.0, 0.0, 0.0]`")
-                    .into());
+                return Err(argument.wrong(causes::NO_DIRECTION, "has no direction").hint("such as `[1.0, 0.0, 0.0]`").into());
             }
             Ok(add_load(call, LoadKind::Torque(axis.map(|x| x / size)), &format!("torque about {}", vector_text(&axis)))?)
-        }),
-    }
+        })
 }
 
 fn add_load(call: &Call, kind: LoadKind, word: &str) -> Result<Dynamic, Failure> {
@@ -145,5 +121,5 @@ fn add_load(call: &Call, kind: LoadKind, word: &str) -> Result<Dynamic, Failure>
 }
 
 fn amplitude_parameter() -> Parameter {
-    Parameter::new("amplitude", Kind::Amplitude, "its size over time, as a factor").or(Absent::Number(1.0))
+    Parameter::amplitude("amplitude", "its size over time, as a factor").or(1.0)
 }

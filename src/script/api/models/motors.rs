@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use rhai::{Dynamic, ImmutableString};
+use rhai::ImmutableString;
 
 use super::arguments::body_of;
 use super::change::change;
@@ -19,69 +19,59 @@ const NAME: &str = "its name, unique among springs, dampers, chambers and masses
 /// Function `add_actuator` of scripts.
 pub fn add_actuator() -> Function {
     let mut keys = end_parameters();
-    let force = Parameter::new("force", Kind::Amplitude, "the force that pushes the ends apart over time (plane: per thickness)");
+    let force = Parameter::amplitude("force", "the force that pushes the ends apart over time (plane: per thickness)");
     keys.push(force.of("force"));
-    Function {
-        name: "add_actuator",
-        form: Form::Method(ModelHandle::receiver()),
-        topic: Topic::Model,
-        summary: "pushes points of bodies, centroids of boundaries or the ground apart along their line with a force over time, as a \
-                  cylinder does: on both ends alike, its work is part of `load_work`; the history has its `length`, `force` and `work`",
-        parameters: vec![Parameter::new("name", Kind::Text, NAME), Parameter::new("options", Kind::Options(keys), "ends and force")],
-        returns: "",
-        example: plate_example(&format!(
+    method_of::<ModelHandle>(Topic::Model, "add_actuator")
+        .summary(
+            "pushes points of bodies, centroids of boundaries or the ground apart along their line with a force over time, as a cylinder \
+             does: on both ends alike, its work is part of `load_work`; the history has its `length`, `force` and `work`",
+        )
+        .parameters(vec![Parameter::text("name", NAME), Parameter::options("ends and force").keys(keys)])
+        .see_also(&["add_motor", "add_joint", "add_spring", "force"])
+        .example(plate_example(&format!(
             "{TOUCH}press.add_actuator(\"cylinder\", #{{ from: plate.boundary(\"top\"), to: \"ground\", to_point: [1.0, 3.0], force: \
              ramp(0.0, 0.1, 2.0) }});"
-        )),
-        see_also: &["add_motor", "add_joint", "add_spring", "force"],
-        body: body(|call| {
-            let model = call.receiver::<ModelHandle>();
+        )))
+        .body(|call, model| {
             let (name, options) = (call.name("name")?, call.options("options")?);
             let (ends, force) = (ends_of(&options, &model)?, amplitude_of(&options.argument("force"))?);
             change(call, &model, |data| {
                 data.model.parts.push(Arc::new(ActuatorDefinition { name, ends, element: ActuatorElement(force) }))
             })?;
             Ok(Dynamic::UNIT)
-        }),
-    }
+        })
 }
 
 /// Function `add_motor` of scripts.
 pub fn add_motor() -> Function {
     let keys = vec![
-        Parameter::new("from", Kind::Handle(BodyHandle::NAME), "the rigid body that it turns"),
+        Parameter::object::<BodyHandle>("from", "the rigid body that it turns"),
         Parameter::new("to", Kind::Either("a Body or \"ground\""), "what it turns it against: the rigid body that has the torque back"),
-        Parameter::new("axis", Kind::Vector, "the axis at rest, in space: it turns with `to`")
-            .of("1")
-            .or(Absent::Means("the model is plane")),
-        Parameter::new("torque", Kind::Amplitude, "the torque over time, counter-clockwise or about `axis` (plane: per thickness)")
+        Parameter::vector("axis", "the axis at rest, in space: it turns with `to`").of("1").otherwise("the model is plane"),
+        Parameter::amplitude("torque", "the torque over time, counter-clockwise or about `axis` (plane: per thickness)")
             .of("force * length"),
     ];
-    Function {
-        name: "add_motor",
-        form: Form::Method(ModelHandle::receiver()),
-        topic: Topic::Model,
-        summary: "turns a rigid body against another one, or against the ground, with a torque over time: on both alike, its work is part \
-                  of `load_work`; the history has its `torque` and `work`. A motor that prescribes the angle is the `drive` of a joint",
-        parameters: vec![Parameter::new("name", Kind::Text, NAME), Parameter::new("options", Kind::Options(keys), "bodies and torque")],
-        returns: "",
-        example: plate_example(
+    method_of::<ModelHandle>(Topic::Model, "add_motor")
+        .summary(
+            "turns a rigid body against another one, or against the ground, with a torque over time: on both alike, its work is part of \
+             `load_work`; the history has its `torque` and `work`. A motor that prescribes the angle is the `drive` of a joint",
+        )
+        .parameters(vec![Parameter::text("name", NAME), Parameter::options("bodies and torque").keys(keys)])
+        .see_also(&["add_actuator", "add_joint", "torque", "add_torsion_spring"])
+        .example(plate_example(
             "let rotor = press.add_rigid_body(\"rotor\", ring(#{ inner_radius: 0.1, outer_radius: 0.4, cells: [1, 12], center: [5.0, 0.0] \
              }), #{ density: 1.0 });\n\
              press.add_joint(\"bearing\", #{ kind: \"point\", from: rotor, point: [5.0, 0.0] });\n\
              press.add_motor(\"motor\", #{ from: rotor, to: \"ground\", torque: hat(0.0, 0.5, 0.1) });",
-        ),
-        see_also: &["add_actuator", "add_joint", "torque", "add_torsion_spring"],
-        body: body(|call| {
-            let model = call.receiver::<ModelHandle>();
+        ))
+        .body(|call, model| {
             let (name, options) = (call.name("name")?, call.options("options")?);
             let bodies = bodies_of(&options, &model, "a motor turns")?;
             let axis = axis_of(&options, model.0.borrow().model.dimension())?;
             let torque = amplitude_of(&options.argument("torque"))?;
             change(call, &model, |data| data.model.parts.push(Arc::new(MotorDefinition { name, bodies, axis, torque })))?;
             Ok(Dynamic::UNIT)
-        }),
-    }
+        })
 }
 
 /// Index of a rigid body, with its masters.
@@ -110,7 +100,7 @@ fn masters_of(argument: &Argument, model: &ModelHandle, what: &str) -> Result<Bo
     match BarycentricMap::new(&body.mesh).filter(|_| body.rigid.is_some()) {
         Some(frame) => Ok((index, frame.masters)),
         None => {
-            let failure = argument.fail(format!("body \"{}\" deforms, and {what} rigid bodies", body.name)).code(causes::BODY_KIND);
+            let failure = argument.refuse(causes::BODY_KIND, format!("body \"{}\" deforms, and {what} rigid bodies", body.name));
             Err(failure.hint("add it with `add_rigid_body`, or load a boundary of it: `model.torque(boundary, amplitude)`"))
         }
     }
@@ -122,16 +112,13 @@ fn axis_of(options: &Options, dimension: usize) -> Result<[f64; 3], Failure> {
     match (dimension, argument.is_given()) {
         (2, false) => Ok(AxisRotation::UPRIGHT),
         (2, true) => {
-            Err(argument.fail("the model is plane: a motor turns about the third axis").code(causes::DIMENSION).hint("remove the option"))
+            Err(argument.refuse(causes::DIMENSION, "the model is plane: a motor turns about the third axis").hint("remove the option"))
         }
         (_, false) => Err(argument.missing()),
         (_, true) => {
             let axis = argument.vector(3)?;
             if axis == [0.0; 3] {
-                return Err(argument
-                    .fail(format!("{} has no direction", argument.title()))
-                    .code(causes::NO_DIRECTION)
-                    .hint("such as `[0.0, 0.0, 1.0]`"));
+                return Err(argument.wrong(causes::NO_DIRECTION, "has no direction").hint("such as `[0.0, 0.0, 1.0]`"));
             }
             Ok(axis)
         }

@@ -2,14 +2,11 @@
 
 use std::sync::Arc;
 
-use rhai::Dynamic;
-
 use super::arguments::{body_of, node_at_point};
 use super::change::change;
 use super::ends::{GROUND, constants_parameter, end_parameters, ends_of, one_of, text_of};
 use super::handle::{BodyHandle, ModelHandle};
 use crate::dynamics::{Elastic, Sides, SpringDefinition, SpringElement, SpringLaw, TorsionDefinition};
-use crate::math::catalogue::Interval;
 use crate::script::api::examples::{TOUCH, plate_example};
 use crate::script::api::time_functions::points_of;
 use crate::script::language::prelude::*;
@@ -23,28 +20,24 @@ pub fn add_spring() -> Function {
     keys.extend(law_parameters("force / length", "force per elongation (plane: per thickness)"));
     keys.push(
         Parameter::number("rest_length", "length", Interval::NonNegative, "the length at which the elongation is 0")
-            .or(Absent::Means("its length in the undeformed bodies")),
+            .otherwise("its length in the undeformed bodies"),
     );
-    Function {
-        name: "add_spring",
-        form: Form::Method(ModelHandle::receiver()),
-        topic: Topic::Model,
-        summary: "joins points of bodies, centroids of boundaries or the ground by a spring, linear, by a table or by an energy as text in \
-                  the elongation `length - rest_length`: its energy is part of `potential`, the history has its `length`, `force` and \
-                  `energy`",
-        parameters: vec![
-            Parameter::new("name", Kind::Text, "its name, unique among springs, dampers, chambers and masses"),
-            Parameter::new("options", Kind::Options(keys), "ends and law"),
-        ],
-        returns: "",
-        example: plate_example(&format!(
+    method_of::<ModelHandle>(Topic::Model, "add_spring")
+        .summary(
+            "joins points of bodies, centroids of boundaries or the ground by a spring, linear, by a table or by an energy as text in the \
+             elongation `length - rest_length`: its energy is part of `potential`, the history has its `length`, `force` and `energy`",
+        )
+        .parameters(vec![
+            Parameter::text("name", "its name, unique among springs, dampers, chambers and masses"),
+            Parameter::options("ends and law").keys(keys),
+        ])
+        .see_also(&["add_damper", "add_chamber", "add_mass", "force", "fix", "tie"])
+        .example(plate_example(&format!(
             "{TOUCH}press.add_spring(\"tie rod\", #{{ from: plate, from_point: [1.0, 1.0], to: table, to_point: [1.0, -1.0], stiffness: \
              50.0 }});\npress.add_spring(\"cable\", #{{ from: plate.boundary(\"top\"), to: \"ground\", to_point: [1.0, 3.0],\n    energy: \
              \"k/2*x^2 + k*x^4\", constants: #{{ k: 20.0 }}, sides: \"tension\" }});\nprint(press);"
-        )),
-        see_also: &["add_damper", "add_chamber", "add_mass", "force", "fix", "tie"],
-        body: body(|call| {
-            let model = call.receiver::<ModelHandle>();
+        )))
+        .body(|call, model| {
             let (name, options) = (call.name("name")?, call.options("options")?);
             let (ends, law) = (ends_of(&options, &model)?, law_of(&options)?);
             let rest_length = options.optional_number("rest_length")?;
@@ -52,16 +45,15 @@ pub fn add_spring() -> Function {
                 data.model.parts.push(Arc::new(SpringDefinition { name, ends, element: SpringElement { law, rest_length } }));
             })?;
             Ok(Dynamic::UNIT)
-        }),
-    }
+        })
 }
 
 /// Parameters of a spring's force law.
 fn law_parameters(of_stiffness: &'static str, stiffness: &'static str) -> [Parameter; 5] {
-    let optional = |name, kind, what| Parameter::new(name, kind, what).or(Absent::Means("one of `stiffness`, `table`, `energy` is given"));
+    let optional = |name, kind, what| Parameter::new(name, kind, what).otherwise("one of `stiffness`, `table`, `energy` is given");
     [
         Parameter::number("stiffness", of_stiffness, Interval::Positive, stiffness)
-            .or(Absent::Means("one of `stiffness`, `table`, `energy` is given")),
+            .otherwise("one of `stiffness`, `table`, `energy` is given"),
         optional("table", Kind::Array, "points `[elongation, force]` with increasing elongations, linear between them and beyond"),
         optional("energy", Kind::Text, "the energy as text in the elongation `x`, such as `\"k/2*x^2 + c/4*x^4\"`"),
         constants_parameter(),
@@ -70,44 +62,40 @@ fn law_parameters(of_stiffness: &'static str, stiffness: &'static str) -> [Param
             Kind::Choice(SIDES),
             "the elongations at which it acts: a cable has `\"tension\"`, a stop `\"compression\"`",
         )
-        .or(Absent::Text("both")),
+        .or("both"),
     ]
 }
 
 /// Function `add_torsion_spring` of scripts.
 pub fn add_torsion_spring() -> Function {
-    let points =
-        |name| Parameter::new(name, Kind::Array, "two points of it while it is undeformed, the nearest nodes: from one to the other");
+    let points = |name| Parameter::array(name, "two points of it while it is undeformed, the nearest nodes: from one to the other");
     let mut keys = vec![
-        Parameter::new("from", Kind::Handle(BodyHandle::NAME), "a body, whose direction counts backward, towards the ground forward"),
+        Parameter::object::<BodyHandle>("from", "a body, whose direction counts backward, towards the ground forward"),
         points("from_points").of("length"),
         Parameter::new("to", Kind::Either("a Body or \"ground\""), "what it turns against"),
-        points("to_points").of("length").or(Absent::Means("`to` is the ground")),
+        points("to_points").of("length").otherwise("`to` is the ground"),
     ];
     keys.extend(law_parameters("force * length", "moment per radian (per thickness)"));
-    Function {
-        name: "add_torsion_spring",
-        form: Form::Method(ModelHandle::receiver()),
-        topic: Topic::Model,
-        summary: "turns two plane bodies, or a body and the ground, against each other by a torsional spring: its elongation `x` is the \
-                  angle by which their directions have turned from the undeformed bodies, over whole turns; the history has its \
-                  `angle`, `moment` and `energy`",
-        parameters: vec![
-            Parameter::new("name", Kind::Text, "its name, unique among springs, dampers, chambers and masses"),
-            Parameter::new("options", Kind::Options(keys), "directions and law"),
-        ],
-        returns: "",
-        example: plate_example(&format!(
+    method_of::<ModelHandle>(Topic::Model, "add_torsion_spring")
+        .summary(
+            "turns two plane bodies, or a body and the ground, against each other by a torsional spring: its elongation `x` is the angle \
+             by which their directions have turned from the undeformed bodies, over whole turns; the history has its `angle`, `moment` and \
+             `energy`",
+        )
+        .parameters(vec![
+            Parameter::text("name", "its name, unique among springs, dampers, chambers and masses"),
+            Parameter::options("directions and law").keys(keys),
+        ])
+        .see_also(&["add_spring", "add_damper", "torque"])
+        .example(plate_example(&format!(
             "{TOUCH}press.add_torsion_spring(\"hinge\", #{{ from: table, from_points: [[0.0, -1.0], [2.0, -1.0]],\n    to: plate, \
              to_points: [[0.0, 0.0], [2.0, 0.0]], stiffness: 20.0 }});"
-        )),
-        see_also: &["add_spring", "add_damper", "torque"],
-        body: body(|call| {
-            let model = call.receiver::<ModelHandle>();
+        )))
+        .body(|call, model| {
             let (name, options) = (call.name("name")?, call.options("options")?);
             let (dimension, is_round) = (model.0.borrow().model.dimension(), model.0.borrow().model.is_axisymmetric());
             if dimension != 2 || is_round {
-                let failure = call.fail("a torsional spring is for bodies that move in a plane").code(causes::DIMENSION);
+                let failure = call.refuse(causes::DIMENSION, "a torsional spring is for bodies that move in a plane");
                 return Err(failure.hint("in space, and around an axis, join bodies by springs between points").into());
             }
             let mut directions = vec![direction_of(&options, &model, "from", "from_points")?];
@@ -121,8 +109,7 @@ pub fn add_torsion_spring() -> Function {
             let law = law_of(&options)?;
             change(call, &model, |data| data.model.parts.push(Arc::new(TorsionDefinition { name, directions, law })))?;
             Ok(Dynamic::UNIT)
-        }),
-    }
+        })
 }
 
 /// Returns a body and two of its nodes.
@@ -137,8 +124,7 @@ fn direction_of(options: &Options, model: &ModelHandle, key: &str, points_key: &
             Ok((body.index, [node(ax, ay)?, node(bx, by)?]))
         }
         _ => Err(argument
-            .fail(format!("`{points_key}` must be two points"))
-            .code(causes::OPTIONS_TOGETHER)
+            .refuse(causes::OPTIONS_TOGETHER, format!("`{points_key}` must be two points"))
             .hint("write `[[0.0, 0.0], [1.0, 0.0]]`")),
     }
 }
@@ -150,7 +136,7 @@ fn law_of(options: &Options) -> Result<SpringLaw, Failure> {
             let argument = options.argument("table");
             let points = points_of(&argument, ["elongation", "force"])?;
             if points.len() < 2 {
-                let failure = argument.fail("the table of a spring needs two points at least").code(causes::COUNT);
+                let failure = argument.refuse(causes::COUNT, "the table of a spring needs two points at least");
                 return Err(failure.hint("write `[[0.0, 0.0], [0.1, 5.0]]`"));
             }
             Elastic::Table(Arc::new(points))

@@ -38,8 +38,8 @@ impl ScriptWords for MeshError {
                     .into()
             }
             MeshError::NotLocally { .. } => {
-                "make it of triangles (`element: \"tri6\"`), refine all of it with `refine()`, or make it with `region` and a \
-                 `size: |x, y| …`"
+                "make it of triangles (`element: \"tri6\"`), refine all of it with `refine()`, or make it with `region` and a `size: |x, \
+                 y| …`"
                     .into()
             }
             MeshError::File(error) => match error.problem {
@@ -55,8 +55,8 @@ impl ScriptWords for MeshError {
                 }
                 FileProblem::Structural { .. } => "take these elements out of the file, or write `skip: \"warn\"`".into(),
                 FileProblem::MixedCells { .. } => {
-                    "mesh all of it in one order (`Mesh.ElementOrder = 1;` or `2;` in Gmsh), or read each part by itself: \
-                     `read_mesh(path, #{ part: \"name\" })`, every instance of an input file with `read_deck`"
+                    "mesh all of it in one order (`Mesh.ElementOrder = 1;` or `2;` in Gmsh), or read each part by itself: `read_mesh(path, \
+                     #{ part: \"name\" })`, every instance of an input file with `read_deck`"
                         .into()
                 }
                 _ => self.hint(),

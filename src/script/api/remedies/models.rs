@@ -60,8 +60,8 @@ impl ScriptWords for Locking {
 
 impl ScriptWords for Overlap {
     fn remedy(&self) -> String {
-        let kept = "move one of them, press them apart by `sim.settle()` before the first step, or keep the overlap with \
-                    `accept_overlap: true` in `simulate`";
+        let kept = "move one of them, press them apart by `sim.settle()` before the first step, or keep the overlap with `accept_overlap: \
+                    true` in `simulate`";
         match (&self.kind, &self.contact) {
             (OverlapKind::Bodies(_), None) | (OverlapKind::Obstacle { whole: true, .. }, _) => self.hint().into(),
             (OverlapKind::Bodies(_), Some(_)) => kept.into(),

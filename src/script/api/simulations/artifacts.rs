@@ -17,8 +17,7 @@ use crate::output::{
 use crate::script::api::files::failures::output_failure;
 use crate::script::api::files::run_folder::RunFolder;
 use crate::script::language::digits::brief;
-use crate::script::language::failure::Failure;
-use crate::script::language::host::Host;
+use crate::script::language::prelude::*;
 
 /// Limits for the recorded frames and stills (animation frames) of a run.
 #[derive(Clone)]

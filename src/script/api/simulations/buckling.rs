@@ -2,12 +2,9 @@
 
 use std::rc::Rc;
 
-use rhai::Dynamic;
-
 use super::handle::SimulationHandle;
 use super::modes;
 use crate::dynamics::{Buckling, BucklingError};
-use crate::math::catalogue::Interval;
 use crate::math::tolerances::{LINEAR_PATH, LINEAR_STATE};
 use crate::script::api::examples::plate_example;
 use crate::script::api::models::handle::BodyHandle;
@@ -50,22 +47,19 @@ fn buckling_example(line: &str) -> std::borrow::Cow<'static, str> {
 }
 
 fn buckling() -> Function {
-    let count = Parameter::new("count", Kind::Integer, "how many, the smallest first").within(Interval::Closed(1.0, MOST));
-    Function {
-        name: "buckling",
-        form: Form::Method(SimulationHandle::receiver()),
-        topic: Topic::Results,
-        summary: "linear buckling of a settled state: the factors of its load at which a small motion meets no resistance, as if stresses \
-                  and displacements grew with the load; settle under a small part of the load, for the way beyond is taken for straight; \
-                  loads that turn with their boundary are refused; the state stays as it is",
-        parameters: vec![
-            Parameter::new("options", Kind::Options(vec![count.or(Absent::Integer(1))]), "how many").or(Absent::Means("#{ count: 1 }")),
-        ],
-        returns: BucklingHandle::NAME,
-        example: buckling_example("print(buckling);\nprint(buckling.factors[0]);"),
-        see_also: &["settle", "follow_load", "modes"],
-        body: body(|call| {
-            let (handle, options) = (call.receiver::<SimulationHandle>(), call.options("options")?);
+    let count = Parameter::integer("count", "how many, the smallest first").within(Interval::Closed(1.0, MOST));
+    method_of::<SimulationHandle>(Topic::Results, "buckling")
+        .summary(
+            "linear buckling of a settled state: the factors of its load at which a small motion meets no resistance, as if stresses and \
+             displacements grew with the load; settle under a small part of the load, for the way beyond is taken for straight; loads that \
+             turn with their boundary are refused; the state stays as it is",
+        )
+        .parameters(vec![Parameter::options("how many").otherwise("#{ count: 1 }").keys(vec![count.or(1)])])
+        .returns(BucklingHandle::NAME)
+        .see_also(&["settle", "follow_load", "modes"])
+        .example(buckling_example("print(buckling);\nprint(buckling.factors[0]);"))
+        .body(|call, handle| {
+            let options = call.options("options")?;
             let count = options.argument("count").integer()?;
             handle.refuse_in_check(call)?;
             handle.looked()?;
@@ -73,8 +67,7 @@ fn buckling() -> Function {
             let buckling = found.map_err(|error| refused(call, &handle, error))?;
             warn(call, &buckling);
             Ok(Dynamic::from(BucklingHandle { buckling: Rc::new(buckling), simulation: handle }))
-        }),
-    }
+        })
 }
 
 /// Warns of load factors that may be missing, and of a nonlinear path to the state, or from there to the first factor.
@@ -108,45 +101,34 @@ fn refused(call: &Call, handle: &SimulationHandle, error: BucklingError) -> Fail
 }
 
 fn factors() -> Function {
-    Function {
-        name: "factors",
-        form: Form::Property(BucklingHandle::receiver()),
-        topic: Topic::Results,
-        summary: "the factors of the load, the smallest first",
-        parameters: Vec::new(),
-        returns: "Array",
-        example: buckling_example("print(buckling.factors);"),
-        see_also: &["buckling", "shape"],
-        body: body(|call| Ok(modes::array(call.receiver::<BucklingHandle>().buckling.factors.iter().copied()))),
-    }
+    property_of::<BucklingHandle>(Topic::Results, "factors")
+        .summary("the factors of the load, the smallest first")
+        .returns("Array")
+        .see_also(&["buckling", "shape"])
+        .example(buckling_example("print(buckling.factors);"))
+        .body(|_, buckling| Ok(array_of(buckling.buckling.factors.iter().copied())))
 }
 
 fn shape() -> Function {
-    Function {
-        name: "shape",
-        form: Form::Method(BucklingHandle::receiver()),
-        topic: Topic::Results,
-        summary: "the motion of the nodes of a body in which the model buckles, the largest displacement of all bodies of length 1",
-        parameters: vec![
-            Parameter::new("mode", Kind::Integer, "its number, from 0 on").within(Interval::Closed(0.0, MOST)),
-            Parameter::new("body", Kind::Handle(BodyHandle::NAME), "the body"),
-        ],
-        returns: "Array",
-        example: buckling_example("print(buckling.shape(0, plate)[2]);"),
-        see_also: &["buckling", "factors"],
-        body: body(|call| {
-            let handle = call.receiver::<BucklingHandle>();
+    method_of::<BucklingHandle>(Topic::Results, "shape")
+        .summary("the motion of the nodes of a body in which the model buckles, the largest displacement of all bodies of length 1")
+        .parameters(vec![
+            Parameter::integer("mode", "its number, from 0 on").within(Interval::Closed(0.0, MOST)),
+            Parameter::object::<BodyHandle>("body", "the body"),
+        ])
+        .returns("Array")
+        .see_also(&["buckling", "factors"])
+        .example(buckling_example("print(buckling.shape(0, plate)[2]);"))
+        .body(|call, handle| {
             let (argument, index) = (call.argument("mode"), handle.simulation.body_index(call)?);
             let number = argument.integer()?;
             let shapes = &handle.buckling.shapes;
             let Some(shape) = usize::try_from(number).ok().and_then(|number| shapes.get(number)) else {
                 let failure = argument
-                    .fail(format!("there is no shape {number}: they are numbered from 0 to {}", shapes.len() - 1))
-                    .code(causes::NO_SUCH);
+                    .refuse(causes::NO_SUCH, format!("there is no shape {number}: they are numbered from 0 to {}", shapes.len() - 1));
                 return Err(failure.hint("request more with `count` of `sim.buckling`").into());
             };
             let dimension = handle.simulation.0.model.model.dimension();
             Ok(modes::shape_array(&shape[index], dimension))
-        }),
-    }
+        })
 }

@@ -2,8 +2,6 @@
 
 use std::rc::Rc;
 
-use rhai::{Array, Dynamic, Map};
-
 use super::handle::SimulationHandle;
 use super::told::ScriptOutput;
 use crate::dynamics::{ContactFields, CyclingNode, FailureCause};
@@ -55,85 +53,76 @@ pub fn functions() -> Vec<Function> {
         }),
         number("area", "the length of the secondary surface that is in contact, to about half a facet at each end", |fields| fields.area),
         array("pressure", "the contact pressure at each secondary node, in their order along the surface", |contact| {
-            contact.fields.pressure.iter().map(|&value| value.into()).collect()
+            array_of(contact.fields.pressure.iter().copied())
         }),
         array(
             "mean_pressure",
             "the mean contact pressure on what is covered of each secondary node, its force over its area, in their order along the \
              surface: beside the edge of a contact it is smoother than `pressure`, the multipliers of a mortar method",
-            |contact| contact.fields.mean_pressure.iter().map(|&value| value.into()).collect(),
+            |contact| array_of(contact.fields.mean_pressure.iter().copied()),
         ),
         array("gap", "the gap at each secondary node, in their order along the surface, NaN where nothing lies opposite", |contact| {
-            contact.fields.gap.iter().map(|&value| value.into()).collect()
+            array_of(contact.fields.gap.iter().copied())
         }),
         array("active", "whether each secondary node is in contact, in their order along the surface", |contact| {
-            contact.fields.active.iter().map(|&value| value.into()).collect()
+            array_of(contact.fields.active.iter().copied())
         }),
         array(
             "state",
             "what each secondary node does, in their order along the surface: \"open\", \"stick\" where friction holds what is pressed, or \
              \"slip\"; without friction all that is pressed slips",
-            |contact| contact.fields.state.iter().map(|state| state.name().into()).collect(),
+            |contact| array_of(contact.fields.state.iter().map(|state| state.name())),
         ),
         array(
             "shear",
             "the shear stress of friction at each secondary node, in their order along the surface: positive where it pulls that way, with \
              the body on the left; in space its size",
-            |contact| contact.fields.shear.iter().map(|&value| value.into()).collect(),
+            |contact| array_of(contact.fields.shear.iter().copied()),
         ),
         array(
             "slip",
             "the slip of each secondary node in the last step, against the other side and in the direction of their order along the \
              surface, in space its size; 0 without friction and where nothing presses",
-            |contact| contact.fields.slip.iter().map(|&value| value.into()).collect(),
+            |contact| array_of(contact.fields.slip.iter().copied()),
         ),
         array(
             "slip_path",
             "the sum of the sizes of the slips of each secondary node since the start, in their order along the surface: of steps, and of \
              `settle` at a later time",
-            |contact| contact.fields.slip_path.iter().map(|&value| value.into()).collect(),
+            |contact| array_of(contact.fields.slip_path.iter().copied()),
         ),
         array(
             "heat",
             "the heat of friction at each secondary node since the start, over the present area, in their order along the surface",
-            |contact| contact.fields.heat.iter().map(|&value| value.into()).collect(),
+            |contact| array_of(contact.fields.heat.iter().copied()),
         ),
         number("sliding", "the number of secondary nodes that slide against friction", |fields| fields.sliding as f64),
         array(
             "forces",
             "the contact force on each secondary node, friction included, in their order along the surface, an array of vectors",
-            |contact| {
-                let vector =
-                    |force: &[f64; 3]| Dynamic::from(force[..contact.dimension].iter().map(|&value| value.into()).collect::<Array>());
-                contact.fields.forces.iter().map(vector).collect()
-            },
+            |contact| array_of(contact.fields.forces.iter().map(|force| array_of(force[..contact.dimension].iter().copied()))),
         ),
         array(
             "force",
             "the resultant of the contact forces on the secondary side, friction included (of a surface with itself: on one side of its \
              folds)",
-            |contact| contact.fields.force[..contact.dimension].iter().map(|&value| value.into()).collect(),
+            |contact| array_of(contact.fields.force[..contact.dimension].iter().copied()),
         ),
         array("positions", "the current position of each secondary node, in their order along the surface", |contact| {
-            let point =
-                |position: &[f64; 3]| Dynamic::from(position[..contact.dimension].iter().map(|&value| value.into()).collect::<Array>());
-            contact.fields.positions.iter().map(point).collect()
+            array_of(contact.fields.positions.iter().map(|position| array_of(position[..contact.dimension].iter().copied())))
         }),
     ]
 }
 
 fn contact() -> Function {
-    Function {
-        name: "contact",
-        form: Form::Method(SimulationHandle::receiver()),
-        topic: Topic::Contact,
-        summary: "a contact pair as it is now",
-        parameters: vec![Parameter::new("name", Kind::Text, "the name of the contact pair")],
-        returns: ContactHandle::NAME,
-        example: contact_example("print(sim.contact(\"foot\"));"),
-        see_also: &["add_contact"],
-        body: body(|call| {
-            let (handle, argument) = (call.receiver::<SimulationHandle>(), call.argument("name"));
+    method_of::<SimulationHandle>(Topic::Contact, "contact")
+        .summary("a contact pair as it is now")
+        .parameters(vec![Parameter::text("name", "the name of the contact pair")])
+        .returns(ContactHandle::NAME)
+        .see_also(&["add_contact"])
+        .example(contact_example("print(sim.contact(\"foot\"));"))
+        .body(|call, handle| {
+            let argument = call.argument("name");
             let name = argument.text()?;
             let found = handle.with(call, |simulation| {
                 let cycling = match simulation.failure().map(|report| &report.cause) {
@@ -156,23 +145,21 @@ fn contact() -> Function {
                     Err(argument.unknown_name(format!("there is no contact \"{name}\""), &name, &names).into())
                 }
             }
-        }),
-    }
+        })
 }
 
 fn power() -> Function {
-    Function {
-        name: "power",
-        form: Form::Method(SimulationHandle::receiver()),
-        topic: Topic::Contact,
-        summary: "the power of friction in a contact pair, a mean over the last step: its work over the size of the step, never positive; \
-                  the work of every step is the column `name.friction_work` of the history",
-        parameters: vec![Parameter::new("name", Kind::Text, "the name of the contact pair")],
-        returns: "number",
-        example: contact_example("sim.step();\nprint(sim.power(\"foot\"));"),
-        see_also: &["contact", "add_contact", "history"],
-        body: body(|call| {
-            let (handle, argument) = (call.receiver::<SimulationHandle>(), call.argument("name"));
+    method_of::<SimulationHandle>(Topic::Contact, "power")
+        .summary(
+            "the power of friction in a contact pair, a mean over the last step: its work over the size of the step, never positive; the \
+             work of every step is the column `name.friction_work` of the history",
+        )
+        .parameters(vec![Parameter::text("name", "the name of the contact pair")])
+        .returns("number")
+        .see_also(&["contact", "add_contact", "history"])
+        .example(contact_example("sim.step();\nprint(sim.power(\"foot\"));"))
+        .body(|call, handle| {
+            let argument = call.argument("name");
             let name = argument.text()?;
             let names = handle.0.model.model.contact_names();
             let Some(index) = names.iter().position(|known| *known == name) else {
@@ -182,60 +169,44 @@ fn power() -> Function {
             let work = row.contacts.get(index).map_or(0.0, |contact| contact.friction_work);
             // Before the first step and at rest, no time passes, and there is no slip.
             Ok(if work == 0.0 || row.dt == 0.0 { 0.0 } else { work / row.dt }.into())
-        }),
-    }
+        })
 }
 
 fn cycling() -> Function {
-    Function {
-        name: "cycling",
-        form: Form::Property(ContactHandle::receiver()),
-        topic: Topic::Contact,
-        summary: "the nodes whose contact state kept changing in the last iterations of the step that failed, as maps with `body`, \
-                  `node` (its number in the body's mesh) and `index` (its place in `positions`, `gap`, `pressure` and `active`)",
-        parameters: Vec::new(),
-        returns: "Array",
-        example: contact_example(
+    property_of::<ContactHandle>(Topic::Contact, "cycling")
+        .summary(
+            "the nodes whose contact state kept changing in the last iterations of the step that failed, as maps with `body`, `node` (its \
+             number in the body's mesh) and `index` (its place in `positions`, `gap`, `pressure` and `active`)",
+        )
+        .returns("Array")
+        .see_also(&["contact", "why"])
+        .example(contact_example(
             "let race = sim.contact(\"foot\");\n\
              for node in race.cycling { print(`node ${node.node} at ${race.positions[node.index]}`); }",
-        ),
-        see_also: &["contact", "why"],
-        body: body(|call| {
-            let map = |node: &CyclingNode| -> Dynamic {
+        ))
+        .body(|_, contact| {
+            let map = |node: &CyclingNode| {
                 let index = node.index.map_or(Dynamic::UNIT, |index| (index as i64).into());
-                let entries: [(&str, Dynamic); 3] =
-                    [("body", node.body.clone().into()), ("node", (node.node as i64).into()), ("index", index)];
-                entries.into_iter().map(|(name, value)| (name.into(), value)).collect::<Map>().into()
+                map_of([("body", node.body.clone().into()), ("node", (node.node as i64).into()), ("index", index)])
             };
-            Ok(call.receiver::<ContactHandle>().cycling.iter().map(map).collect::<Array>().into())
-        }),
-    }
+            Ok(array_of(contact.cycling.iter().map(map)))
+        })
 }
 
 fn number(name: &'static str, summary: &'static str, read: fn(&ContactFields) -> f64) -> Function {
-    Function {
-        name,
-        form: Form::Property(ContactHandle::receiver()),
-        topic: Topic::Contact,
-        summary,
-        parameters: Vec::new(),
-        returns: "number",
-        example: contact_example(&format!("print(sim.contact(\"foot\").{name});")),
-        see_also: &["contact", "history"],
-        body: body(move |call| Ok(read(&call.receiver::<ContactHandle>().fields).into())),
-    }
+    property_of::<ContactHandle>(Topic::Contact, name)
+        .summary(summary)
+        .returns("number")
+        .see_also(&["contact", "history"])
+        .example(contact_example(&format!("print(sim.contact(\"foot\").{name});")))
+        .body(move |_, contact| Ok(read(&contact.fields).into()))
 }
 
-fn array(name: &'static str, summary: &'static str, read: fn(&ContactHandle) -> Array) -> Function {
-    Function {
-        name,
-        form: Form::Property(ContactHandle::receiver()),
-        topic: Topic::Contact,
-        summary,
-        parameters: Vec::new(),
-        returns: "Array",
-        example: contact_example(&format!("print(sim.contact(\"foot\").{name});")),
-        see_also: &["contact"],
-        body: body(move |call| Ok(read(&call.receiver::<ContactHandle>()).into())),
-    }
+fn array(name: &'static str, summary: &'static str, read: fn(&ContactHandle) -> Dynamic) -> Function {
+    property_of::<ContactHandle>(Topic::Contact, name)
+        .summary(summary)
+        .returns("Array")
+        .see_also(&["contact"])
+        .example(contact_example(&format!("print(sim.contact(\"foot\").{name});")))
+        .body(move |_, contact| Ok(read(&contact)))
 }

@@ -14,8 +14,7 @@ use crate::script::api::files::failures::output_failure;
 use crate::script::api::files::results::Results;
 use crate::script::api::files::run_folder::{RunFolder, output_folder};
 use crate::script::api::parameters::{Overrides, ParameterUnits};
-use crate::script::language::failure::Failure;
-use crate::script::language::host::Host;
+use crate::script::language::prelude::*;
 
 /// Writes the last frames of all simulations and waits until all frames are written.
 ///

@@ -1,7 +1,5 @@
 //! Explicit steps in scripts: `central_differences`, and `stable_step`, the largest stable time step size.
 
-use rhai::{Dynamic, Map};
-
 use super::handle::{SimulationHandle, busy};
 use super::integrators::IntegratorHandle;
 use super::simulate::kernels;
@@ -23,11 +21,11 @@ pub fn functions() -> Vec<Function> {
 fn mass_parameter() -> Parameter {
     let summary = "the distribution of a cell's mass among its nodes: by `row_sum`, by its diagonal (`hrz`, always positive), or by row \
                    sums where all of these are positive, else by the diagonal";
-    Parameter::new("mass", Kind::Choice(MASSES), summary).or(Absent::Text(MASSES[0]))
+    Parameter::new("mass", Kind::Choice(MASSES), summary).or(MASSES[0])
 }
 
 fn options_parameter() -> Parameter {
-    Parameter::new("options", Kind::Options(vec![mass_parameter()]), "its mass").or(Absent::Means("its defaults"))
+    Parameter::map("options", "its mass").otherwise("its defaults").keys(vec![mass_parameter()])
 }
 
 fn lumping_of(options: &Given) -> Result<Lumping, Failure> {
@@ -36,35 +34,29 @@ fn lumping_of(options: &Given) -> Result<Lumping, Failure> {
 }
 
 fn integrator() -> Function {
-    Function {
-        name: CENTRAL_DIFFERENCES.name,
-        form: Form::Function,
-        topic: Topic::Simulation,
-        summary: CENTRAL_DIFFERENCES.summary,
-        parameters: vec![options_parameter()],
-        returns: IntegratorHandle::NAME,
-        example: format!(
+    function(Topic::Simulation, CENTRAL_DIFFERENCES.name)
+        .summary(CENTRAL_DIFFERENCES.summary)
+        .parameters(vec![options_parameter()])
+        .returns(IntegratorHandle::NAME)
+        .see_also(&["simulate", "stable_step"])
+        .example(format!(
             "{FLIGHT}let sim = simulate(flight, #{{ integrator: central_differences(), dt: 0.9 * stable_step(flight) }});\n\
              sim.run_to(0.01);\nprint(sim.steps);"
-        )
-        .into(),
-        see_also: &["simulate", "stable_step"],
-        body: body(|call| Ok(Dynamic::from(IntegratorHandle(central_differences(lumping_of(&call.options("options")?)?))))),
-    }
+        ))
+        .body(|call| Ok(Dynamic::from(IntegratorHandle(central_differences(lumping_of(&call.options("options")?)?)))))
 }
 
 fn stable_step() -> Function {
-    Function {
-        name: "stable_step",
-        form: Form::Function,
-        topic: Topic::Simulation,
-        summary: "the longest step of `central_differences` that is stable for a model as it begins, 2 over the largest angular frequency; \
-                  take a tenth less: cells that are compressed need shorter steps",
-        parameters: vec![Parameter::new("model", Kind::Handle(ModelHandle::NAME), "the model"), options_parameter()],
-        returns: "number",
-        example: format!("{FLIGHT}print(stable_step(flight));\nprint(stable_step(flight, #{{ mass: \"hrz\" }}));").into(),
-        see_also: &["central_differences", "simulate"],
-        body: body(|call| {
+    function(Topic::Simulation, "stable_step")
+        .summary(
+            "the longest step of `central_differences` that is stable for a model as it begins, 2 over the largest angular frequency; take \
+             a tenth less: cells that are compressed need shorter steps",
+        )
+        .parameters(vec![Parameter::object::<ModelHandle>("model", "the model"), options_parameter()])
+        .returns("number")
+        .see_also(&["central_differences", "simulate"])
+        .example(format!("{FLIGHT}print(stable_step(flight));\nprint(stable_step(flight, #{{ mass: \"hrz\" }}));"))
+        .body(|call| {
             let (model, lumping) = (call.handle::<ModelHandle>("model")?, lumping_of(&call.options("options")?)?);
             let mut options = Options::new(&central_differences(lumping), 1.0);
             options.threads = call.host.settings.threads;
@@ -73,26 +65,21 @@ fn stable_step() -> Function {
             let mut simulation = kernels(call, &model.model, None, options)?;
             let found = simulation.stable_step().map_err(|error| call.fail(error.to_string()).code(error.code()).hint(error.hint()))?;
             Ok(found.dt.into())
-        }),
-    }
+        })
 }
 
 fn stable_step_now() -> Function {
-    Function {
-        name: "stable_step",
-        form: Form::Method(SimulationHandle::receiver()),
-        topic: Topic::Simulation,
-        summary: "the longest stable step of `central_differences` about the present state, as a map: `dt`, `frequency` (the largest \
-                  angular one), `bound` (the step by the fastest cell alone, which costs next to nothing), `body` and `cell` (that cell)",
-        parameters: Vec::new(),
-        returns: "Map",
-        example: format!(
-            "{FLIGHT}let sim = simulate(flight, #{{ integrator: central_differences(), dt: 0.001 }});\nprint(sim.stable_step());"
+    method_of::<SimulationHandle>(Topic::Simulation, "stable_step")
+        .summary(
+            "the longest stable step of `central_differences` about the present state, as a map: `dt`, `frequency` (the largest angular \
+             one), `bound` (the step by the fastest cell alone, which costs next to nothing), `body` and `cell` (that cell)",
         )
-        .into(),
-        see_also: &["central_differences", "modes"],
-        body: body(|call| Ok(Dynamic::from(now(call)?))),
-    }
+        .returns("Map")
+        .see_also(&["central_differences", "modes"])
+        .example(format!(
+            "{FLIGHT}let sim = simulate(flight, #{{ integrator: central_differences(), dt: 0.001 }});\nprint(sim.stable_step());"
+        ))
+        .body(|call, _| Ok(Dynamic::from(now(call)?)))
 }
 
 fn now(call: &Call) -> Result<Map, Failure> {
@@ -101,7 +88,7 @@ fn now(call: &Call) -> Result<Map, Failure> {
     let mut simulation = handle.0.simulation.try_borrow_mut().map_err(|_| busy(call))?;
     if simulation.options().integrator.lumping().is_none() {
         let name = simulation.options().integrator.name;
-        let failure = call.fail(format!("`{name}` has no longest stable step: its steps solve equations")).code(causes::BODY_KIND);
+        let failure = call.refuse(causes::BODY_KIND, format!("`{name}` has no longest stable step: its steps solve equations"));
         return Err(failure.hint("`stable_step(model)` returns that of `central_differences` for a model"));
     }
     let found = simulation.stable_step();

@@ -2,8 +2,6 @@
 
 use std::sync::LazyLock;
 
-use rhai::{Array, Dynamic, Map};
-
 use super::handle::SimulationHandle;
 use super::local_frames::{Geometry, frame_of, frame_parameters};
 use super::told::ScriptOutput;
@@ -82,7 +80,7 @@ pub(super) fn at_shares(name: &str, body: &BodyFields, frame: &LocalFrame, point
 }
 
 pub(super) fn vector(values: &[f64; 3], dimension: usize) -> Dynamic {
-    values[..dimension].iter().map(|&value| value.into()).collect::<Array>().into()
+    array_of(values[..dimension].iter().copied())
 }
 
 /// Script functions defined in this file.
@@ -95,8 +93,7 @@ pub fn functions() -> Vec<Function> {
         number("potential", "the potential energy of the body in gravity, zero at the origin", |totals| totals.potential),
         number(
             "stress_error",
-            "the estimated error of its stresses over their size (Zienkiewicz and Zhu 1987); its square is about that of the \
-             stiffness",
+            "the estimated error of its stresses over their size (Zienkiewicz and Zhu 1987); its square is about that of the stiffness",
             |totals| totals.stress_error,
         ),
         property("momentum", "Array", "the linear momentum of the body", |state| vector(&state.totals.momentum, state.dimension)),
@@ -115,48 +112,45 @@ pub fn functions() -> Vec<Function> {
 }
 
 fn field() -> Function {
-    Function {
-        name: "field",
-        form: Form::Method(SimulationHandle::receiver()),
-        topic: Topic::Results,
-        summary: "a field of a body now: an array with a number or a vector for each node, in the order of `position`; stress is Cauchy's, \
-                  strain Green and Lagrange's, both recovered at the nodes from the cells nearby, or as they are inside of the cells. \
-                  `stress_rr`, `stress_tt`, `stress_aa` are radial, tangential and axial about an axis, `stress_along` that along a \
-                  direction, `contact_state` is 1 where a node sticks and 2 where it slips",
-        parameters: parameters(),
-        returns: "Array",
-        example: flight_example(
+    method_of::<SimulationHandle>(Topic::Results, "field")
+        .summary(
+            "a field of a body now: an array with a number or a vector for each node, in the order of `position`; stress is Cauchy's, \
+             strain Green and Lagrange's, both recovered at the nodes from the cells nearby, or as they are inside of the cells. \
+             `stress_rr`, `stress_tt`, `stress_aa` are radial, tangential and axial about an axis, `stress_along` that along a direction, \
+             `contact_state` is 1 where a node sticks and 2 where it slips",
+        )
+        .parameters(parameters())
+        .returns("Array")
+        .see_also(&["extremes", "along", "section_force", "body", "picture", "write_fields"])
+        .example(flight_example(
             "sim.run_to(0.05);\nlet stress = sim.field(\"von_mises\", plate);\nprint(stress.len());\n\
              print(sim.field(\"stress_xx\", plate, #{ at: \"points\" }).len());\n\
              print(sim.field(\"stress_tt\", plate, #{ center: [1.0, 0.5] }).max());",
-        ),
-        see_also: &["extremes", "along", "section_force", "body", "picture", "write_fields"],
-        body: body(|call| {
-            let dimension = call.receiver::<SimulationHandle>().0.model.model.dimension();
+        ))
+        .body(|call, simulation| {
+            let dimension = simulation.0.model.model.dimension();
             let values: Array = match chosen(call)? {
                 Chosen::Numbers(numbers) => numbers.into_iter().map(|(_, number)| number.into()).collect(),
                 Chosen::Vectors(vectors) => vectors.iter().map(|(_, value)| vector(value, dimension)).collect(),
             };
             Ok(values.into())
-        }),
-    }
+        })
 }
 
 fn extremes() -> Function {
-    Function {
-        name: "extremes",
-        form: Form::Method(SimulationHandle::receiver()),
-        topic: Topic::Results,
-        summary: "the smallest and the largest value of a field of a body now, of a vector its length, with the positions: an object with \
-                  `min`, `min_at`, `max`, `max_at`",
-        parameters: parameters(),
-        returns: "Map",
-        example: flight_example(
+    method_of::<SimulationHandle>(Topic::Results, "extremes")
+        .summary(
+            "the smallest and the largest value of a field of a body now, of a vector its length, with the positions: an object with \
+             `min`, `min_at`, `max`, `max_at`",
+        )
+        .parameters(parameters())
+        .returns("Map")
+        .see_also(&["field", "picture"])
+        .example(flight_example(
             "sim.run_to(0.05);\nlet worst = sim.extremes(\"von_mises\", plate);\nprint(`${worst.max} at ${worst.max_at}`);",
-        ),
-        see_also: &["field", "picture"],
-        body: body(|call| {
-            let dimension = call.receiver::<SimulationHandle>().0.model.model.dimension();
+        ))
+        .body(|call, simulation| {
+            let dimension = simulation.0.model.model.dimension();
             let sizes = chosen(call)?.sizes();
             // A gap is NaN where no surface lies opposite.
             let sizes = || sizes.iter().filter(|(_, size)| !size.is_nan());
@@ -167,15 +161,13 @@ fn extremes() -> Function {
                 found.insert(at.into(), vector(position, dimension));
             };
             let Some((least, most)) = ends else {
-                let failure =
-                    call.fail(format!("\"{}\" has no value at any node of this body", call.text("name")?)).code(causes::BODY_KIND);
+                let failure = call.refuse(causes::BODY_KIND, format!("\"{}\" has no value at any node of this body", call.text("name")?));
                 return Err(failure.hint("contact gaps are known at the nodes of secondary sides alone").into());
             };
             put("min", "min_at", least);
             put("max", "max_at", most);
             Ok(found.into())
-        }),
-    }
+        })
 }
 
 /// The parameter that names a field.
@@ -191,12 +183,13 @@ fn parameters() -> Vec<Parameter> {
         "where: at the nodes, one mean for each cell at its centroid, or at the quadrature points of each cell; the last two for stress, \
          strain, what follows from them, and `position`",
     );
-    let keys = [at.or(Absent::Text("nodes"))].into_iter().chain(frame_parameters()).collect();
+    let keys = [at.or("nodes")].into_iter().chain(frame_parameters()).collect();
     vec![
         name_parameter(),
-        Parameter::new("body", Kind::Handle(BodyHandle::NAME), "the body"),
-        Parameter::new("options", Kind::Options(keys), "where values are taken, and the frame of `stress_rr`, `stress_along` and the like")
-            .or(Absent::Means("at the nodes")),
+        Parameter::object::<BodyHandle>("body", "the body"),
+        Parameter::map("options", "where values are taken, and the frame of `stress_rr`, `stress_along` and the like")
+            .otherwise("at the nodes")
+            .keys(keys),
     ]
 }
 
@@ -209,7 +202,7 @@ fn chosen(call: &Call) -> Result<Chosen, Failure> {
         return handle.with(call, |simulation| at_nodes(field, &simulation.fields()[index], &frame));
     };
     handle.with(call, |simulation| in_cells(field, &simulation.cell_stresses(index, places), &frame))?.ok_or_else(|| {
-        let failure = options.argument("at").fail(format!("\"{name}\" is a field of the nodes")).code(causes::BODY_KIND);
+        let failure = options.argument("at").refuse(causes::BODY_KIND, format!("\"{name}\" is a field of the nodes"));
         failure.hint("inside of cells there are stresses, strains, what follows from them, and `position`")
     })
 }
@@ -246,17 +239,13 @@ impl Handle for BodyStateHandle {
 }
 
 fn body_state() -> Function {
-    Function {
-        name: "body",
-        form: Form::Method(SimulationHandle::receiver()),
-        topic: Topic::Results,
-        summary: "a body as a whole now: its energies, momenta and center of mass",
-        parameters: vec![Parameter::new("body", Kind::Handle(BodyHandle::NAME), "the body")],
-        returns: BodyStateHandle::NAME,
-        example: flight_example("sim.run_to(0.05);\nprint(sim.body(plate));"),
-        see_also: &["field", "history", "reaction"],
-        body: body(|call| {
-            let handle = call.receiver::<SimulationHandle>();
+    method_of::<SimulationHandle>(Topic::Results, "body")
+        .summary("a body as a whole now: its energies, momenta and center of mass")
+        .parameters(vec![Parameter::object::<BodyHandle>("body", "the body")])
+        .returns(BodyStateHandle::NAME)
+        .see_also(&["field", "history", "reaction"])
+        .example(flight_example("sim.run_to(0.05);\nprint(sim.body(plate));"))
+        .body(|call, handle| {
             let index = handle.body_index(call)?;
             let name = handle.0.model.model.bodies[index].name.clone();
             let state = handle.with(call, |simulation| BodyStateHandle {
@@ -267,8 +256,7 @@ fn body_state() -> Function {
                 told: ScriptOutput::of(&handle),
             })?;
             Ok(Dynamic::from(state))
-        }),
-    }
+        })
 }
 
 fn property(
@@ -277,15 +265,10 @@ fn property(
     summary: &'static str,
     read: impl Fn(&BodyStateHandle) -> Dynamic + 'static,
 ) -> Function {
-    Function {
-        name,
-        form: Form::Property(BodyStateHandle::receiver()),
-        topic: Topic::Results,
-        summary,
-        parameters: Vec::new(),
-        returns,
-        example: flight_example(&format!("sim.run_to(0.05);\nprint(sim.body(plate).{name});")),
-        see_also: &["body"],
-        body: body(move |call| Ok(read(&call.receiver::<BodyStateHandle>()))),
-    }
+    property_of::<BodyStateHandle>(Topic::Results, name)
+        .summary(summary)
+        .returns(returns)
+        .see_also(&["body"])
+        .example(flight_example(&format!("sim.run_to(0.05);\nprint(sim.body(plate).{name});")))
+        .body(move |_, state| Ok(read(&state)))
 }

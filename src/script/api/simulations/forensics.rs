@@ -2,8 +2,6 @@
 
 use std::rc::Rc;
 
-use rhai::{Array, Dynamic, Map};
-
 use super::handle::SimulationHandle;
 use crate::dynamics::{FailureCause, FailureReport, IterationReport, TryReport};
 use crate::output::Frame;
@@ -125,94 +123,66 @@ pub fn functions() -> Vec<Function> {
 }
 
 fn why() -> Function {
-    Function {
-        name: "why",
-        form: Form::Method(SimulationHandle::receiver()),
-        topic: Topic::Simulation,
-        summary: "the report of the last failed step: its iterations with residual, gap violation and changes of the contact set, \
-                  the worst node, the cause, and a remedy",
-        parameters: Vec::new(),
-        returns: FailedStepHandle::NAME,
-        example: flight_example("print(sim.why());"),
-        see_also: &["write_failed", "cycling", "set"],
-        body: body(|call| {
-            let handle = call.receiver::<SimulationHandle>();
+    method_of::<SimulationHandle>(Topic::Simulation, "why")
+        .summary(
+            "the report of the last failed step: its iterations with residual, gap violation and changes of the contact set, the worst \
+             node, the cause, and a remedy",
+        )
+        .returns(FailedStepHandle::NAME)
+        .see_also(&["write_failed", "cycling", "set"])
+        .example(flight_example("print(sim.why());"))
+        .body(|call, handle| {
             let report = handle.with(call, |simulation| simulation.failure().cloned().map(Rc::new))?;
             let (simulation, hint) = (handle.0.name.clone(), handle.0.hint.borrow().clone());
             Ok(Dynamic::from(FailedStepHandle { report, simulation, hint }))
-        }),
-    }
+        })
 }
 
 fn write_failed() -> Function {
-    Function {
-        name: "write_failed",
-        form: Form::Method(SimulationHandle::receiver()),
-        topic: Topic::Results,
-        summary: "writes the fields of the iterate at which the last failed step was given up as VTU",
-        parameters: vec![Parameter::new("path", Kind::Text, "a `.vtu` file below the output folder")],
-        returns: "",
-        example: flight_example("if sim.why().failed { sim.write_failed(\"failed.vtu\"); }"),
-        see_also: &["why", "write_fields"],
-        body: body(|call| {
-            let handle = call.receiver::<SimulationHandle>();
+    method_of::<SimulationHandle>(Topic::Results, "write_failed")
+        .summary("writes the fields of the iterate at which the last failed step was given up as VTU")
+        .parameters(vec![Parameter::text("path", "a `.vtu` file below the output folder")])
+        .see_also(&["why", "write_fields"])
+        .example(flight_example("if sim.why().failed { sim.write_failed(\"failed.vtu\"); }"))
+        .body(|call, handle| {
             let failed = handle.with(call, |simulation| (simulation.time(), simulation.failed_fields()))?;
             let (time, Some(fields)) = failed else {
-                let failure = call.fail(format!("no step of simulation \"{}\" has failed", handle.0.name)).code(causes::NO_SUCH);
+                let failure = call.refuse(causes::NO_SUCH, format!("no step of simulation \"{}\" has failed", handle.0.name));
                 return Err(failure.hint("`sim.write_fields(path)` writes the state as it is").into());
             };
             Ok(write(call, Some(&handle), &[".vtu"], || Ok(Frame::new(time, &fields).encode()))?)
-        }),
-    }
+        })
 }
 
 fn failed() -> Function {
-    Function {
-        name: "failed",
-        form: Form::Property(FailedStepHandle::receiver()),
-        topic: Topic::Simulation,
-        summary: "whether a step has failed at all",
-        parameters: Vec::new(),
-        returns: "bool",
-        example: flight_example("print(sim.why().failed);"),
-        see_also: &["why"],
-        body: body(|call| Ok(call.receiver::<FailedStepHandle>().report.is_some().into())),
-    }
+    property_of::<FailedStepHandle>(Topic::Simulation, "failed")
+        .summary("whether a step has failed at all")
+        .returns("bool")
+        .see_also(&["why"])
+        .example(flight_example("print(sim.why().failed);"))
+        .body(|_, failed_step| Ok(failed_step.report.is_some().into()))
 }
 
 fn iterations() -> Function {
-    Function {
-        name: "iterations",
-        form: Form::Property(FailedStepHandle::receiver()),
-        topic: Topic::Simulation,
-        summary: "the iterations of the last try as maps with `residual`, `target`, `energy` and `gap_violation` \
-                  (both over what is tolerated), `changes` and `active` (contact nodes), `body` and `node` of the residual, \
-                  `contact`; empty when no step has failed",
-        parameters: Vec::new(),
-        returns: "Array",
-        example: flight_example("for iteration in sim.why().iterations { print(iteration.residual / iteration.target); }"),
-        see_also: &["why", "cause"],
-        body: body(|call| {
-            let handle = call.receiver::<FailedStepHandle>();
+    property_of::<FailedStepHandle>(Topic::Simulation, "iterations")
+        .summary(
+            "the iterations of the last try as maps with `residual`, `target`, `energy` and `gap_violation` (both over what is tolerated), \
+             `changes` and `active` (contact nodes), `body` and `node` of the residual, `contact`; empty when no step has failed",
+        )
+        .returns("Array")
+        .see_also(&["why", "cause"])
+        .example(flight_example("for iteration in sim.why().iterations { print(iteration.residual / iteration.target); }"))
+        .body(|_, handle| {
             let iterations = handle.report.iter().flat_map(|report| &report.iterations);
             Ok(iterations.map(|iteration| Dynamic::from(iteration_map(iteration))).collect::<Array>().into())
-        }),
-    }
+        })
 }
 
 fn cause() -> Function {
-    Function {
-        name: "cause",
-        form: Form::Property(FailedStepHandle::receiver()),
-        topic: Topic::Simulation,
-        summary: "the cause in two words, such as `cycling contact`; empty when no step has failed",
-        parameters: Vec::new(),
-        returns: "String",
-        example: flight_example("print(sim.why().cause);"),
-        see_also: &["why", "iterations"],
-        body: body(|call| {
-            let handle = call.receiver::<FailedStepHandle>();
-            Ok(handle.report.as_ref().map_or("", |report| name_of(&report.cause)).into())
-        }),
-    }
+    property_of::<FailedStepHandle>(Topic::Simulation, "cause")
+        .summary("the cause in two words, such as `cycling contact`; empty when no step has failed")
+        .returns("String")
+        .see_also(&["why", "iterations"])
+        .example(flight_example("print(sim.why().cause);"))
+        .body(|_, handle| Ok(handle.report.as_ref().map_or("", |report| name_of(&report.cause)).into()))
 }

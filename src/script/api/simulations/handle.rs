@@ -336,7 +336,7 @@ impl SimulationHandle {
         if !self.0.advancing.get() {
             return Ok(());
         }
-        let failure = call.fail(format!("{} cannot be called while the simulation advances", call.function.title())).code(causes::TIME);
+        let failure = call.refuse(causes::TIME, format!("{} cannot be called while the simulation advances", call.function.title()));
         Err(failure
             .cause("a closure given to `on_step` runs between two steps of a `step` or `run_to` that goes on")
             .hint("look at the state in the closure; take further steps after that call"))
@@ -363,8 +363,7 @@ pub fn result_used(name: &str) -> Failure {
 
 /// The failure of a call in the middle of a step.
 pub fn busy(call: &Call) -> Failure {
-    call.fail("the simulation is in the middle of a step")
-        .code(causes::TIME)
+    call.refuse(causes::TIME, "the simulation is in the middle of a step")
         .cause("a time function is evaluated while the step is computed, so there is no state to look at")
         .hint("compute with the parameter `t` only; `sim.on_step(|sim| …)` runs between steps")
 }

@@ -3,12 +3,9 @@
 use std::f64::consts::TAU;
 use std::rc::Rc;
 
-use rhai::{Dynamic, Map};
-
 use super::handle::SimulationHandle;
-use super::modes::{self, array, warn_of_damping, warn_of_turning};
+use super::modes::{self, warn_of_damping, warn_of_turning};
 use crate::dynamics::{BodyBoundary, Excitation, HarmonicError, HarmonicOptions, HarmonicResponse};
-use crate::math::catalogue::Interval;
 use crate::script::api::examples::plate_example;
 use crate::script::api::models::arguments::node_at;
 use crate::script::api::models::handle::{BodyHandle, BoundaryHandle};
@@ -66,16 +63,15 @@ fn response_example(line: &str) -> std::borrow::Cow<'static, str> {
 
 fn option_parameters() -> Vec<Parameter> {
     let damping = |name: &'static str, dimension: &'static str, summary: &'static str| {
-        Parameter::number(name, dimension, Interval::NonNegative, summary).or(Absent::Number(0.0))
+        Parameter::number(name, dimension, Interval::NonNegative, summary).or(0.0)
     };
     vec![
-        Parameter::new("frequencies", Kind::Array, "oscillations per time, positive").of("1/time"),
-        Parameter::new("boundary", Kind::Handle(BoundaryHandle::NAME), "where the force acts")
-            .or(Absent::Means("nowhere; then give `base`")),
-        Parameter::new("force", Kind::Vector, "amplitude of the whole force, spread evenly").of("force").or(Absent::Means("none")),
-        Parameter::new("base", Kind::Vector, "amplitude of the motion of all supports and of the ground, in place of a force")
+        Parameter::array("frequencies", "oscillations per time, positive").of("1/time"),
+        Parameter::object::<BoundaryHandle>("boundary", "where the force acts").otherwise("nowhere; then give `base`"),
+        Parameter::vector("force", "amplitude of the whole force, spread evenly").of("force").otherwise("none"),
+        Parameter::vector("base", "amplitude of the motion of all supports and of the ground, in place of a force")
             .of("length")
-            .or(Absent::Means("none")),
+            .otherwise("none"),
         damping("mass_damping", "1/time", "alpha of the damping alpha M of velocities; on a base, of those against the world at rest"),
         damping("stiffness_damping", "time", "beta of the damping beta K"),
         damping("loss_factor", "1", "eta of the stiffness K (1 + i eta); near a resonance twice the damping ratio"),
@@ -83,19 +79,18 @@ fn option_parameters() -> Vec<Parameter> {
 }
 
 fn harmonic_response() -> Function {
-    Function {
-        name: "harmonic_response",
-        form: Form::Method(SimulationHandle::receiver()),
-        topic: Topic::Results,
-        summary: "steady vibrations about the present state, undeformed or settled under load, under a force or on a base that swings: for \
-                  each frequency one complex amplitude for every node; ties and closed contacts hold as in `modes`, and what dampers and \
-                  viscous materials do is left out: damping is what the options give; the state stays as it is",
-        parameters: vec![Parameter::new("options", Kind::Options(option_parameters()), "what swings, and what damps it")],
-        returns: ResponseHandle::NAME,
-        example: response_example("print(response);\nprint(response.at(plate, [2.0, 1.0]).amplitude);"),
-        see_also: &["modes", "settle", "plot_curves"],
-        body: body(|call| {
-            let (handle, options) = (call.receiver::<SimulationHandle>(), call.options("options")?);
+    method_of::<SimulationHandle>(Topic::Results, "harmonic_response")
+        .summary(
+            "steady vibrations about the present state, undeformed or settled under load, under a force or on a base that swings: for each \
+             frequency one complex amplitude for every node; ties and closed contacts hold as in `modes`, and what dampers and viscous \
+             materials do is left out: damping is what the options give; the state stays as it is",
+        )
+        .parameters(vec![Parameter::options("what swings, and what damps it").keys(option_parameters())])
+        .returns(ResponseHandle::NAME)
+        .see_also(&["modes", "settle", "plot_curves"])
+        .example(response_example("print(response);\nprint(response.at(plate, [2.0, 1.0]).amplitude);"))
+        .body(|call, handle| {
+            let options = call.options("options")?;
             handle.refuse_in_check(call)?;
             handle.looked()?;
             let unit = handle.0.kernel_time(1.0);
@@ -110,8 +105,7 @@ fn harmonic_response() -> Function {
             let cause = "what damps the response are the options `loss_factor`, `mass_damping` and `stiffness_damping`";
             warn_of_damping(call, &handle, cause, "give what the damping amounts to as one of them; a run has it all");
             Ok(Dynamic::from(ResponseHandle { response: Rc::new(response), simulation: handle, unit }))
-        }),
-    }
+        })
 }
 
 /// Options of a harmonic response from the arguments of a call, converted to the units of the solver.
@@ -121,7 +115,7 @@ fn asked_for(handle: &SimulationHandle, call: &Call, options: &Options, unit: f6
     let given = argument.array()?;
     let frequencies: Vec<f64> = given.iter().filter_map(as_number).filter(|one| *one > 0.0 && one.is_finite()).collect();
     if frequencies.is_empty() || frequencies.len() != given.len() {
-        let failure = argument.fail("`frequencies` of `harmonic_response` must be an array of positive numbers").code(causes::OUT_OF_RANGE);
+        let failure = argument.refuse(causes::OUT_OF_RANGE, "`frequencies` of `harmonic_response` must be an array of positive numbers");
         return Err(failure.hint("write `[10.0, 20.0, 30.0]`, or fill an array in a loop"));
     }
     let [boundary, force, base] = ["boundary", "force", "base"].map(|name| options.argument(name));
@@ -129,7 +123,7 @@ fn asked_for(handle: &SimulationHandle, call: &Call, options: &Options, unit: f6
         (true, false) => Excitation::Force { on: boundary_of(handle, &boundary)?, vector: force.vector(dimension)? },
         (false, true) if !boundary.is_given() && !force.is_given() => Excitation::Base(base.vector(dimension)?),
         _ => {
-            let failure = call.fail("`harmonic_response` needs one excitation").code(causes::COUNT);
+            let failure = call.refuse(causes::COUNT, "`harmonic_response` needs one excitation");
             return Err(failure.hint("give `boundary` and `force`, or `base`"));
         }
     };
@@ -150,8 +144,7 @@ fn boundary_of(handle: &SimulationHandle, argument: &Argument) -> Result<BodyBou
     match index {
         Some(body) => Ok(BodyBoundary { body, boundary }),
         None => Err(argument
-            .fail("`boundary` must be one of a body of the simulation")
-            .code(causes::OTHER_OWNER)
+            .refuse(causes::OTHER_OWNER, "`boundary` must be one of a body of the simulation")
             .hint("take it from the body that `add_body` gave")),
     }
 }
@@ -174,39 +167,32 @@ fn refused(call: &Call, handle: &SimulationHandle, error: HarmonicError, unit: f
 }
 
 fn frequencies() -> Function {
-    Function {
-        name: "frequencies",
-        form: Form::Property(ResponseHandle::receiver()),
-        topic: Topic::Results,
-        summary: "the frequencies of the response, oscillations per time",
-        parameters: Vec::new(),
-        returns: "Array",
-        example: response_example("print(response.frequencies);"),
-        see_also: &["harmonic_response", "at"],
-        body: body(|call| Ok(array(call.receiver::<ResponseHandle>().frequencies()))),
-    }
+    property_of::<ResponseHandle>(Topic::Results, "frequencies")
+        .summary("the frequencies of the response, oscillations per time")
+        .returns("Array")
+        .see_also(&["harmonic_response", "at"])
+        .example(response_example("print(response.frequencies);"))
+        .body(|_, response| Ok(array_of(response.frequencies())))
 }
 
 fn at() -> Function {
-    Function {
-        name: "at",
-        form: Form::Method(ResponseHandle::receiver()),
-        topic: Topic::Results,
-        summary: "the motion of the node of a body nearest to a point at rest, over the frequencies, as a map of arrays: `frequency`, \
-                  `amplitude` (the length of the vector of amplitudes), and for each axis `x`, `y`, `z` the amplitude `amplitude_x`, the \
-                  phase ahead of the excitation `phase_x` in radians, and the parts `real_x`, `imaginary_x`",
-        parameters: vec![
-            Parameter::new("body", Kind::Handle(BodyHandle::NAME), "the body"),
-            Parameter::new("point", Kind::Vector, "a point of the undeformed body").of("length"),
-        ],
-        returns: "Map",
-        example: response_example(
+    method_of::<ResponseHandle>(Topic::Results, "at")
+        .summary(
+            "the motion of the node of a body nearest to a point at rest, over the frequencies, as a map of arrays: `frequency`, \
+             `amplitude` (the length of the vector of amplitudes), and for each axis `x`, `y`, `z` the amplitude `amplitude_x`, the phase \
+             ahead of the excitation `phase_x` in radians, and the parts `real_x`, `imaginary_x`",
+        )
+        .parameters(vec![
+            Parameter::object::<BodyHandle>("body", "the body"),
+            Parameter::vector("point", "a point of the undeformed body").of("length"),
+        ])
+        .returns("Map")
+        .see_also(&["harmonic_response", "plot_curves"])
+        .example(response_example(
             "let tip = response.at(plate, [2.0, 1.0]);\n\
              plot_curves(\"tip.svg\", [#{ x: tip.frequency, y: tip.amplitude_y }], #{ x_label: \"frequency\" });",
-        ),
-        see_also: &["harmonic_response", "plot_curves"],
-        body: body(|call| {
-            let handle = call.receiver::<ResponseHandle>();
+        ))
+        .body(|call, handle| {
             let (index, given) = (handle.simulation.body_index(call)?, call.handle::<BodyHandle>("body")?);
             let node = node_at(&call.argument("point"), &given)? as usize;
             let bodies = &handle.simulation.0.model.model.bodies;
@@ -214,15 +200,14 @@ fn at() -> Function {
             let values = handle.response.at(before + node);
             let size = |vector: &[[f64; 2]; 3]| vector.iter().flatten().fold(0.0, |size: f64, part| size.hypot(*part));
             let mut map = Map::new();
-            map.insert("frequency".into(), array(handle.frequencies()));
-            map.insert("amplitude".into(), array(values.iter().map(size)));
+            map.insert("frequency".into(), array_of(handle.frequencies()));
+            map.insert("amplitude".into(), array_of(values.iter().map(size)));
             for (i, axis) in ["x", "y", "z"].into_iter().enumerate().take(handle.simulation.0.model.model.dimension()) {
-                map.insert(format!("amplitude_{axis}").into(), array(values.iter().map(|vector| vector[i][0].hypot(vector[i][1]))));
-                map.insert(format!("phase_{axis}").into(), array(values.iter().map(|vector| vector[i][1].atan2(vector[i][0]))));
-                map.insert(format!("real_{axis}").into(), array(values.iter().map(|vector| vector[i][0])));
-                map.insert(format!("imaginary_{axis}").into(), array(values.iter().map(|vector| vector[i][1])));
+                map.insert(format!("amplitude_{axis}").into(), array_of(values.iter().map(|vector| vector[i][0].hypot(vector[i][1]))));
+                map.insert(format!("phase_{axis}").into(), array_of(values.iter().map(|vector| vector[i][1].atan2(vector[i][0]))));
+                map.insert(format!("real_{axis}").into(), array_of(values.iter().map(|vector| vector[i][0])));
+                map.insert(format!("imaginary_{axis}").into(), array_of(values.iter().map(|vector| vector[i][1])));
             }
             Ok(Dynamic::from(map))
-        }),
-    }
+        })
 }

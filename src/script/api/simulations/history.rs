@@ -2,8 +2,6 @@
 
 use std::rc::Rc;
 
-use rhai::{Array, Dynamic};
-
 use super::columns::{further_values, history_columns, names};
 use super::handle::SimulationHandle;
 use super::known_columns::{CellPlaces, ColumnCells};
@@ -33,48 +31,35 @@ pub fn functions() -> Vec<Function> {
 }
 
 fn history() -> Function {
-    Function {
-        name: "history",
-        form: Form::Property(SimulationHandle::receiver()),
-        topic: Topic::Results,
-        summary: "the rows of all accepted steps, as columns: `sim.history.total`",
-        parameters: Vec::new(),
-        returns: HistoryHandle::NAME,
-        example: flight_example("sim.step(3);\nprint(sim.history.total);"),
-        see_also: &["plot"],
-        body: body(|call| Ok(Dynamic::from(HistoryHandle(call.receiver())))),
-    }
+    property_of::<SimulationHandle>(Topic::Results, "history")
+        .summary("the rows of all accepted steps, as columns: `sim.history.total`")
+        .returns(HistoryHandle::NAME)
+        .see_also(&["plot"])
+        .example(flight_example("sim.step(3);\nprint(sim.history.total);"))
+        .body(|call, _| Ok(Dynamic::from(HistoryHandle(call.receiver()))))
 }
 
 fn columns() -> Function {
-    Function {
-        name: "columns",
-        form: Form::Property(HistoryHandle::receiver()),
-        topic: Topic::Results,
-        summary: "the names of the columns",
-        parameters: Vec::new(),
-        returns: "Array",
-        example: flight_example("print(sim.history.columns);"),
-        see_also: &["history"],
-        body: body(|call| {
-            let columns = call.receiver::<HistoryHandle>().0.columns();
-            Ok(columns.into_iter().map(Dynamic::from).collect::<Array>().into())
-        }),
-    }
+    property_of::<HistoryHandle>(Topic::Results, "columns")
+        .summary("the names of the columns")
+        .returns("Array")
+        .see_also(&["history"])
+        .example(flight_example("print(sim.history.columns);"))
+        .body(|_, history| {
+            let columns = history.0.columns();
+            Ok(array_of(columns))
+        })
 }
 
 fn column() -> Function {
-    Function {
-        name: "column",
-        form: Form::Column(HistoryHandle::receiver()),
-        topic: Topic::Results,
-        summary: "a column as an array, by its name",
-        parameters: vec![Parameter::new("name", Kind::Text, "the name of the column")],
-        returns: "Array",
-        example: flight_example("sim.step(3);\nprint(sim.history.energy_defect);"),
-        see_also: &["history", "columns"],
-        body: body(|call| {
-            let (HistoryHandle(handle), name) = (call.receiver::<HistoryHandle>(), call.text("name")?);
+    column_of::<HistoryHandle>(Topic::Results, "column")
+        .summary("a column as an array, by its name")
+        .parameters(vec![Parameter::text("name", "the name of the column")])
+        .returns("Array")
+        .see_also(&["history", "columns"])
+        .example(flight_example("sim.step(3);\nprint(sim.history.energy_defect);"))
+        .body(|call, HistoryHandle(handle)| {
+            let name = call.text("name")?;
             handle.refuse_in_check(call)?;
             let values = handle.known_column(&name).ok_or_else(|| unknown_column(call, &handle, &name))?;
             handle.check_rows()?;
@@ -84,8 +69,7 @@ fn column() -> Function {
             // Counts are whole numbers, so that they index arrays and print as such.
             let entry = |value: &f64| if is_count(&name) { Dynamic::from(*value as i64) } else { Dynamic::from(*value) };
             Ok(values.iter().map(entry).collect::<Array>().into())
-        }),
-    }
+        })
 }
 
 impl SimulationHandle {
@@ -147,8 +131,7 @@ impl SimulationHandle {
 pub fn unknown_column(call: &Call, handle: &SimulationHandle, name: &str) -> Failure {
     let columns = handle.columns();
     let failure = call
-        .fail(format!("the history has no column `{name}`"))
-        .code(causes::NO_SUCH)
+        .refuse(causes::NO_SUCH, format!("the history has no column `{name}`"))
         .cause(format!("its columns are {}", listed(&columns, "and")));
     failure.hint(did_you_mean(name, columns.iter().map(String::as_str)).unwrap_or_else(|| "use one of these names".into()))
 }

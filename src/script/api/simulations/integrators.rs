@@ -1,7 +1,5 @@
 //! Time integrators in scripts: one function for each row of the catalogue.
 
-use rhai::Dynamic;
-
 use crate::integrators::{self, Family, Scheme};
 use crate::script::language::digits::number_text;
 use crate::script::language::prelude::*;
@@ -43,29 +41,25 @@ fn integrator_function(integrator: &'static Scheme) -> Function {
     let family = integrators::FAMILIES.iter().find(|family| family.default == integrator);
     let keys = |family: &Family| family.parameters.iter().map(Parameter::of_catalogue).collect();
     let parameters = family.map(|family| {
-        let options = Parameter::new("options", Kind::Options(keys(family)), "the numbers of the method");
-        options.or(Absent::Means("its defaults"))
+        let options = Parameter::map("options", "the numbers of the method").keys(keys(family));
+        options.otherwise("its defaults")
     });
     let example = match family.and_then(|family| family.parameters.last()) {
         Some(last) => format!("print({}());\nprint({0}(#{{ {}: {:?} }}));", integrator.name, last.name, last.default.unwrap_or_default()),
         None => format!("print({}());", integrator.name),
     };
-    Function {
-        name: integrator.name,
-        form: Form::Function,
-        topic: Topic::Simulation,
-        summary: integrator.summary,
-        parameters: parameters.into_iter().collect(),
-        returns: IntegratorHandle::NAME,
-        example: example.into(),
-        see_also: &["simulate"],
-        body: body(move |call| {
+    function(Topic::Simulation, integrator.name)
+        .summary(integrator.summary)
+        .parameters(parameters.into_iter().collect())
+        .returns(IntegratorHandle::NAME)
+        .see_also(&["simulate"])
+        .example(example)
+        .body(move |call| {
             let Some(family) = family else { return Ok(Dynamic::from(IntegratorHandle(*integrator))) };
             let (options, mut values) = (call.options("options")?, [0.0; 2]);
             for (value, parameter) in values.iter_mut().zip(family.parameters) {
                 *value = options.number(parameter.name)?;
             }
             Ok(Dynamic::from(IntegratorHandle((family.make)(values))))
-        }),
-    }
+        })
 }

@@ -1,7 +1,5 @@
 //! Forces, torques and positions of joints.
 
-use rhai::{Array, Dynamic};
-
 use super::handle::SimulationHandle;
 use super::told::ScriptOutput;
 use crate::dynamics::{JointFrictionLoad, JointLoad};
@@ -22,7 +20,7 @@ pub struct JointHandle {
 
 impl JointHandle {
     fn array(&self, vector: [f64; 3]) -> Dynamic {
-        vector[..self.dimension].iter().map(|&value| value.into()).collect::<Array>().into()
+        array_of(vector[..self.dimension].iter().copied())
     }
 
     fn moment(&self) -> Dynamic {
@@ -85,22 +83,16 @@ fn reading(
     [joint, options]: [&str; 2],
     read: impl Fn(&JointHandle) -> Result<f64, [String; 2]> + 'static,
 ) -> Function {
-    Function {
-        name,
-        form: Form::Property(JointHandle::receiver()),
-        topic: Topic::Results,
-        summary,
-        parameters: Vec::new(),
-        returns: "float",
-        example: rod_example(joint, options, name),
-        see_also: &["joint", "add_joint"],
-        body: body(move |call| {
-            let joint = call.receiver::<JointHandle>();
+    property_of::<JointHandle>(Topic::Results, name)
+        .summary(summary)
+        .returns("float")
+        .see_also(&["joint", "add_joint"])
+        .example(rod_example(joint, options, name))
+        .body(move |call, joint| {
             let failure =
-                |[lacks, hint]: [String; 2]| call.fail(format!("joint \"{}\" has no {lacks}", joint.name)).code(causes::NO_SUCH).hint(hint);
+                |[lacks, hint]: [String; 2]| call.refuse(causes::NO_SUCH, format!("joint \"{}\" has no {lacks}", joint.name)).hint(hint);
             Ok(read(&joint).map_err(failure)?.into())
-        }),
-    }
+        })
 }
 
 /// Function `name` of scripts: a quantity of the friction of a joint.
@@ -158,17 +150,14 @@ fn example(line: &str) -> std::borrow::Cow<'static, str> {
 }
 
 fn joint() -> Function {
-    Function {
-        name: "joint",
-        form: Form::Method(SimulationHandle::receiver()),
-        topic: Topic::Results,
-        summary: "the action of a joint on the body `from` (a mean over the last step), and its position",
-        parameters: vec![Parameter::new("name", Kind::Text, "its name")],
-        returns: JointHandle::NAME,
-        example: example("print(sim.joint(\"hinge\"));"),
-        see_also: &["add_joint", "reaction"],
-        body: body(|call| {
-            let (handle, name) = (call.receiver::<SimulationHandle>(), call.text("name")?);
+    method_of::<SimulationHandle>(Topic::Results, "joint")
+        .summary("the action of a joint on the body `from` (a mean over the last step), and its position")
+        .parameters(vec![Parameter::text("name", "its name")])
+        .returns(JointHandle::NAME)
+        .see_also(&["add_joint", "reaction"])
+        .example(example("print(sim.joint(\"hinge\"));"))
+        .body(|call, handle| {
+            let name = call.text("name")?;
             let joints = &handle.0.model.model.joints;
             let known: Vec<&str> = joints.iter().map(|joint| joint.name.as_str()).collect();
             if !known.contains(&name.as_str()) {
@@ -177,27 +166,20 @@ fn joint() -> Function {
             let found = handle.with(call, |simulation| (simulation.joint(&name), simulation.time(), simulation.dimension()))?;
             let (Some(load), time, dimension) = found else {
                 return Err(call
-                    .fail(format!("joint \"{name}\" has no values before the first step"))
-                    .code(causes::NO_SUCH)
+                    .refuse(causes::NO_SUCH, format!("joint \"{name}\" has no values before the first step"))
                     .hint("take a step")
                     .into());
             };
             let acting = handle.0.script_time(load.time);
             Ok(Dynamic::from(JointHandle { name, time, acting, dimension, load, told: ScriptOutput::of(&handle) }))
-        }),
-    }
+        })
 }
 
 fn property(name: &'static str, returns: &'static str, summary: &'static str, read: fn(&JointHandle) -> Dynamic) -> Function {
-    Function {
-        name,
-        form: Form::Property(JointHandle::receiver()),
-        topic: Topic::Results,
-        summary,
-        parameters: Vec::new(),
-        returns,
-        example: example(&format!("print(sim.joint(\"hinge\").{name});")),
-        see_also: &["joint"],
-        body: body(move |call| Ok(read(&call.receiver::<JointHandle>()))),
-    }
+    property_of::<JointHandle>(Topic::Results, name)
+        .summary(summary)
+        .returns(returns)
+        .see_also(&["joint"])
+        .example(example(&format!("print(sim.joint(\"hinge\").{name});")))
+        .body(move |_, joint| Ok(read(&joint)))
 }

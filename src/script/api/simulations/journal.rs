@@ -22,8 +22,7 @@ use crate::output::checkpoint::{Checkpoint, Origin, SavedSimulation};
 use crate::output::journal::{Entry, JournalReader, JournalWriter, Mark};
 use crate::output::{OutputError, RunFiles};
 use crate::script::api::files::run_folder::{RunFolder, output_folder};
-use crate::script::language::failure::Failure;
-use crate::script::language::host::Host;
+use crate::script::language::prelude::*;
 use crate::script::language::settings::Checkpoints;
 
 /// Largest size of the states in a journal `[bytes]`, which a script reaches that reads a large simulation after each of many steps; a

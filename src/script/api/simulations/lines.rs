@@ -2,13 +2,10 @@
 
 use std::rc::Rc;
 
-use rhai::{Array, Dynamic, Map};
-
 use super::fields::{at_shares, name_parameter, vector};
 use super::handle::SimulationHandle;
 use super::local_frames::{Geometry, frame_of, frame_parameters};
 use crate::dynamics::{BodyFields, principal, von_mises};
-use crate::math::catalogue::Interval;
 use crate::math::norms::length;
 use crate::mesh::CellFinder;
 use crate::script::api::examples::flight_example;
@@ -61,26 +58,22 @@ pub fn functions() -> Vec<Function> {
 const EXAMPLE: &str = "sim.run_to(0.05);\nlet line = sim.along(plate, [1.0, 0.0], [1.0, 1.0], 11);\n";
 
 fn along() -> Function {
-    Function {
-        name: "along",
-        form: Form::Method(SimulationHandle::receiver()),
-        topic: Topic::Results,
-        summary: "points at equal distances on a straight line through the undeformed body, with the fields of now: `line.field(name)` \
-                  gives the values of a field there, NaN outside of the body, `line.distance` the distances from the first point, \
-                  `line.linearized()` membrane and bending stress",
-        parameters: vec![
-            Parameter::new("body", Kind::Handle(BodyHandle::NAME), "the body"),
-            Parameter::new("from", Kind::Vector, "the first point, in the undeformed body").of("length"),
-            Parameter::new("to", Kind::Vector, "the last point").of("length"),
-            Parameter::new("count", Kind::Integer, "how many points, both ends among them")
-                .within(Interval::Closed(2.0, MAX_ARRAY as f64))
-                .or(Absent::Integer(41)),
-        ],
-        returns: LineHandle::NAME,
-        example: flight_example(&format!("{EXAMPLE}print(line);\nprint(line.field(\"von_mises\").max());")),
-        see_also: &["field", "section_force", "probe", "plot_curves"],
-        body: body(|call| {
-            let handle = call.receiver::<SimulationHandle>();
+    method_of::<SimulationHandle>(Topic::Results, "along")
+        .summary(
+            "points at equal distances on a straight line through the undeformed body, with the fields of now: `line.field(name)` gives \
+             the values of a field there, NaN outside of the body, `line.distance` the distances from the first point, `line.linearized()` \
+             membrane and bending stress",
+        )
+        .parameters(vec![
+            Parameter::object::<BodyHandle>("body", "the body"),
+            Parameter::vector("from", "the first point, in the undeformed body").of("length"),
+            Parameter::vector("to", "the last point").of("length"),
+            Parameter::integer("count", "how many points, both ends among them").within(Interval::Closed(2.0, MAX_ARRAY as f64)).or(41),
+        ])
+        .returns(LineHandle::NAME)
+        .see_also(&["field", "section_force", "probe", "plot_curves"])
+        .example(flight_example(&format!("{EXAMPLE}print(line);\nprint(line.field(\"von_mises\").max());")))
+        .body(|call, handle| {
             let index = handle.body_index(call)?;
             let (model, count) = (&handle.0.model.model, call.integer("count")? as usize);
             let (mesh, geometry) = (model.bodies[index].mesh.clone(), Geometry::of(model));
@@ -89,8 +82,7 @@ fn along() -> Function {
             let (a, b) = (from.vector(dimension)?, to.vector(dimension)?);
             if a == b {
                 return Err(to
-                    .fail("the line has no length: both ends are the same point")
-                    .code(causes::NO_DIRECTION)
+                    .refuse(causes::NO_DIRECTION, "the line has no length: both ends are the same point")
                     .hint("give two points")
                     .into());
             }
@@ -101,83 +93,69 @@ fn along() -> Function {
             let (finder, points) = (CellFinder::new(&mesh), (0..count).map(point).collect::<Vec<[f64; 3]>>());
             let shares: Vec<_> = points.iter().map(|&point| finder.shares(point)).collect();
             if shares.iter().all(Option::is_none) {
-                let failure =
-                    from.fail(format!("no point of the line is in body \"{}\"", model.bodies[index].name)).code(causes::OTHER_OWNER);
+                let failure = from.refuse(causes::OTHER_OWNER, format!("no point of the line is in body \"{}\"", model.bodies[index].name));
                 return Err(failure.hint("give points of the undeformed body").into());
             }
             let (fields, time) = handle.with(call, |simulation| (simulation.fields().swap_remove(index), simulation.time()))?;
             let length = length(std::array::from_fn(|i| b[i] - a[i]));
             Ok(Dynamic::from(LineHandle(Rc::new(Line { geometry, time, fields, points, shares, length }))))
-        }),
-    }
+        })
 }
 
 fn distance() -> Function {
-    Function {
-        name: "distance",
-        form: Form::Property(LineHandle::receiver()),
-        topic: Topic::Results,
-        summary: "the distances of the points of a line from its first one, in the undeformed body",
-        parameters: Vec::new(),
-        returns: "Array",
-        example: flight_example(&format!("{EXAMPLE}print(line.distance);")),
-        see_also: &["along"],
-        body: body(|call| {
-            let line = call.receiver::<LineHandle>().0;
+    property_of::<LineHandle>(Topic::Results, "distance")
+        .summary("the distances of the points of a line from its first one, in the undeformed body")
+        .returns("Array")
+        .see_also(&["along"])
+        .example(flight_example(&format!("{EXAMPLE}print(line.distance);")))
+        .body(|_, handle| {
+            let line = handle.0;
             let last = (line.points.len() - 1) as f64;
             Ok((0..line.points.len()).map(|k| Dynamic::from(line.length * (k as f64 / last))).collect::<Array>().into())
-        }),
-    }
+        })
 }
 
 fn field() -> Function {
-    Function {
-        name: "field",
-        form: Form::Method(LineHandle::receiver()),
-        topic: Topic::Results,
-        summary: "a field at the points of a line, interpolated between the nodes of the cells there; NaN outside of the body",
-        parameters: vec![
+    method_of::<LineHandle>(Topic::Results, "field")
+        .summary("a field at the points of a line, interpolated between the nodes of the cells there; NaN outside of the body")
+        .parameters(vec![
             name_parameter(),
-            Parameter::new("options", Kind::Options(frame_parameters().into()), "the frame of `stress_rr`, `stress_along` and the like")
-                .or(Absent::Means("the axes of the model")),
-        ],
-        returns: "Array",
-        example: flight_example(&format!("{EXAMPLE}plot_curves(\"cut.svg\", [#{{ x: line.distance, y: line.field(\"stress_xx\") }}]);")),
-        see_also: &["along", "linearized"],
-        body: body(|call| {
-            let (line, options) = (call.receiver::<LineHandle>().0, call.options("options")?);
+            Parameter::options("the frame of `stress_rr`, `stress_along` and the like")
+                .otherwise("the axes of the model")
+                .keys(frame_parameters().into()),
+        ])
+        .returns("Array")
+        .see_also(&["along", "linearized"])
+        .example(flight_example(&format!("{EXAMPLE}plot_curves(\"cut.svg\", [#{{ x: line.distance, y: line.field(\"stress_xx\") }}]);")))
+        .body(|call, handle| {
+            let (line, options) = (handle.0, call.options("options")?);
             let frame = frame_of(&options, line.geometry)?;
             Ok(at_shares(&call.text("name")?, &line.fields, &frame, &line.shares, line.geometry.dimension()).into())
-        }),
-    }
+        })
 }
 
 fn linearized() -> Function {
-    Function {
-        name: "linearized",
-        form: Form::Method(LineHandle::receiver()),
-        topic: Topic::Results,
-        summary: "the stresses of a line through a wall, linearized as by ASME's code (section VIII, division 2, 5-A): of each component \
-                  the mean, `membrane`, and the part that is linear over the thickness, `bending`, as it is at the first point (at the \
-                  last it is opposite); `peak` is what both leave at the first and the last point. Components are xx, yy, zz, xy, yz, xz; \
-                  `membrane_von_mises` and `membrane_tresca` are numbers, `total_von_mises` and `total_tresca` those of membrane and \
-                  bending at both ends",
-        parameters: Vec::new(),
-        returns: "Map",
-        example: flight_example(&format!("{EXAMPLE}let wall = line.linearized();\nprint(wall.membrane);\nprint(wall.bending);")),
-        see_also: &["along", "field"],
-        body: body(|call| {
-            let line = call.receiver::<LineHandle>().0;
+    method_of::<LineHandle>(Topic::Results, "linearized")
+        .summary(
+            "the stresses of a line through a wall, linearized as by ASME's code (section VIII, division 2, 5-A): of each component the \
+             mean, `membrane`, and the part that is linear over the thickness, `bending`, as it is at the first point (at the last it is \
+             opposite); `peak` is what both leave at the first and the last point. Components are xx, yy, zz, xy, yz, xz; \
+             `membrane_von_mises` and `membrane_tresca` are numbers, `total_von_mises` and `total_tresca` those of membrane and bending at \
+             both ends",
+        )
+        .returns("Map")
+        .see_also(&["along", "field"])
+        .example(flight_example(&format!("{EXAMPLE}let wall = line.linearized();\nprint(wall.membrane);\nprint(wall.bending);")))
+        .body(|call, handle| {
+            let line = handle.0;
             let Some(stresses) = line.stresses() else {
-                let failure =
-                    call.fail("the line is partly outside of the body, and the stress there is not known").code(causes::OTHER_OWNER);
+                let failure = call.refuse(causes::OTHER_OWNER, "the line is partly outside of the body, and the stress there is not known");
                 return Err(failure
                     .hint("give both ends on the surface of the wall or inside: `line.field(\"von_mises\")` is NaN outside")
                     .into());
             };
             Ok(Linearized::new(&stresses).map().into())
-        }),
-    }
+        })
 }
 
 impl Line {

@@ -1,14 +1,12 @@
 //! Options for the local frame (axis and direction) of stress and strain components.
 
 use crate::dynamics::{LocalFrame, Model};
-use crate::script::language::arguments::{Arguments, Options};
 use crate::script::language::causes;
-use crate::script::language::failure::Failure;
-use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::prelude::*;
 
 /// The keys of a local frame.
 pub(super) fn frame_parameters() -> [Parameter; 3] {
-    let optional = |name, summary, absent| Parameter::new(name, Kind::Vector, summary).or(Absent::Means(absent));
+    let optional = |name, summary, absent| Parameter::vector(name, summary).otherwise(absent);
     [
         optional("center", "a point of the axis of radial, tangential and axial components", "the origin").of("length"),
         optional("axis", "the direction of that axis, in space", "[0, 0, 1]").of("1"),
@@ -54,9 +52,8 @@ pub(super) fn frame_of(options: &Options, geometry: Geometry) -> Result<LocalFra
     if geometry == Geometry::Revolution {
         frame.axis = [0.0, 1.0, 0.0];
         if let Some(argument) = [&center, &axis].into_iter().find(|argument| argument.is_given()) {
-            let failure = argument
-                .fail(format!("bodies of revolution have their own axis, and take no {}", argument.title()))
-                .code(causes::DIMENSION);
+            let failure =
+                argument.refuse(causes::DIMENSION, format!("bodies of revolution have their own axis, and take no {}", argument.title()));
             return Err(failure.hint("leave it out: radial is along x, axial along y, tangential around the axis"));
         }
     }
@@ -64,7 +61,7 @@ pub(super) fn frame_of(options: &Options, geometry: Geometry) -> Result<LocalFra
         frame.center = center.vector(dimension)?;
     }
     if axis.is_given() && dimension == 2 {
-        let failure = axis.fail(format!("{} is for bodies in space", axis.title())).code(causes::DIMENSION).label("these bodies are plane");
+        let failure = axis.wrong(causes::DIMENSION, "is for bodies in space").label("these bodies are plane");
         return Err(failure.hint("leave it out: radial and tangential components are those about `center`"));
     }
     if axis.is_given() {
@@ -75,10 +72,7 @@ pub(super) fn frame_of(options: &Options, geometry: Geometry) -> Result<LocalFra
     }
     for (argument, vector) in [(&axis, frame.axis), (&direction, frame.direction)] {
         if vector == [0.0; 3] {
-            return Err(argument
-                .fail(format!("{} has no direction", argument.title()))
-                .code(causes::NO_DIRECTION)
-                .hint("write one such as `[1, 0, 0]`"));
+            return Err(argument.wrong(causes::NO_DIRECTION, "has no direction").hint("write one such as `[1, 0, 0]`"));
         }
     }
     Ok(frame)

@@ -4,12 +4,9 @@ use std::f64::consts::TAU;
 use std::rc::Rc;
 use std::sync::Arc;
 
-use rhai::{Array, Dynamic};
-
 use super::handle::SimulationHandle;
 use super::pictures::{keys, shown};
 use crate::dynamics::{BodyFields, LedgerRow, LoadKind, Mode, Modes, ModesError, PlacedObstacle};
-use crate::math::catalogue::Interval;
 use crate::math::tolerances::EFFECTIVE_MASS;
 use crate::output::{Field, Frame, MovieFormat, PictureBounds, PictureOptions, movie, picture, sight};
 use crate::script::api::examples::plate_example;
@@ -94,9 +91,8 @@ impl ModesHandle {
         match usize::try_from(number).ok().and_then(|index| Some((index, modes.get(index)?))) {
             Some(found) => Ok(found),
             None => {
-                let failure = argument
-                    .fail(format!("there is no mode {number}: they are numbered from 0 to {}", modes.len() - 1))
-                    .code(causes::NO_SUCH);
+                let failure =
+                    argument.refuse(causes::NO_SUCH, format!("there is no mode {number}: they are numbered from 0 to {}", modes.len() - 1));
                 Err(failure.hint("request more with `count` of `sim.modes`"))
             }
         }
@@ -165,22 +161,19 @@ fn modes_example(line: &str) -> std::borrow::Cow<'static, str> {
 }
 
 fn modes() -> Function {
-    let count = Parameter::new("count", Kind::Integer, "how many, the slowest first").within(Interval::Closed(1.0, MOST));
-    Function {
-        name: "modes",
-        form: Form::Method(SimulationHandle::receiver()),
-        topic: Topic::Results,
-        summary: "the slowest natural vibrations about the present state, undeformed or settled under load: with its stresses, with ties \
-                  and closed contacts as constraints, sticking friction held; viscosity and sliding friction are left out, prescribed \
-                  nodes stand still; the state stays as it is",
-        parameters: vec![
-            Parameter::new("options", Kind::Options(vec![count.or(Absent::Integer(6))]), "how many").or(Absent::Means("#{ count: 6 }")),
-        ],
-        returns: ModesHandle::NAME,
-        example: modes_example("print(modes);\nprint(modes.frequencies[0]);"),
-        see_also: &["settle", "frequencies", "shape"],
-        body: body(|call| {
-            let (handle, options) = (call.receiver::<SimulationHandle>(), call.options("options")?);
+    let count = Parameter::integer("count", "how many, the slowest first").within(Interval::Closed(1.0, MOST));
+    method_of::<SimulationHandle>(Topic::Results, "modes")
+        .summary(
+            "the slowest natural vibrations about the present state, undeformed or settled under load: with its stresses, with ties and \
+             closed contacts as constraints, sticking friction held; viscosity and sliding friction are left out, prescribed nodes stand \
+             still; the state stays as it is",
+        )
+        .parameters(vec![Parameter::options("how many").otherwise("#{ count: 6 }").keys(vec![count.or(6)])])
+        .returns(ModesHandle::NAME)
+        .see_also(&["settle", "frequencies", "shape"])
+        .example(modes_example("print(modes);\nprint(modes.frequencies[0]);"))
+        .body(|call, handle| {
+            let options = call.options("options")?;
             let count = options.argument("count").integer()?;
             handle.refuse_in_check(call)?;
             handle.looked()?;
@@ -194,8 +187,7 @@ fn modes() -> Function {
             warn(call, &handle, &modes, sliding);
             let unit = handle.0.motion.map_or(1.0, |motion| motion.units.time);
             Ok(Dynamic::from(ModesHandle(Rc::new(ModesData { modes, simulation: handle, bodies, obstacles, unit }))))
-        }),
-    }
+        })
 }
 
 /// Number of sliding nodes in contacts with friction, by the history row of a state.
@@ -287,22 +279,18 @@ pub(super) fn warn_of_turning(call: &Call, handle: &SimulationHandle) {
     }
 }
 
-/// Numbers as an array of the language.
-pub(super) fn array(values: impl IntoIterator<Item = f64>) -> Dynamic {
-    values.into_iter().map(Dynamic::from).collect::<Array>().into()
-}
-
 /// The displacements of the nodes of a body in a shape.
 pub(super) fn shape_array(shape: &[[f64; 3]], dimension: usize) -> Dynamic {
-    shape.iter().map(|x| array(x[..dimension].iter().copied())).collect::<Array>().into()
+    shape.iter().map(|x| array_of(x[..dimension].iter().copied())).collect::<Array>().into()
 }
 
 fn properties() -> Vec<Function> {
     let of_mode = |name, summary, read: fn(&Mode, f64) -> f64| {
-        property(name, "Array", summary, move |data: &ModesData| array(data.modes.modes.iter().map(|mode| read(mode, data.unit))))
+        property(name, "Array", summary, move |data: &ModesData| array_of(data.modes.modes.iter().map(|mode| read(mode, data.unit))))
     };
     let along = |name, summary, read: fn(&Mode) -> &Vec<f64>| {
-        let rows = move |data: &ModesData| data.modes.modes.iter().map(|mode| array(read(mode).iter().copied())).collect::<Array>().into();
+        let rows =
+            move |data: &ModesData| data.modes.modes.iter().map(|mode| array_of(read(mode).iter().copied())).collect::<Array>().into();
         property(name, "Array", summary, rows)
     };
     vec![
@@ -330,49 +318,41 @@ fn properties() -> Vec<Function> {
         property("mass", "number", "mass of the model", |data| data.modes.mass.into()),
         property("count", "int", "how many modes there are", |data| (data.modes.modes.len() as i64).into()),
         property("work", "Array", "factorizations and solutions that the modes took", |data| {
-            data.modes.work.iter().map(|&count| Dynamic::from(count as i64)).collect::<Array>().into()
+            array_of(data.modes.work.iter().map(|&count| count as i64))
         }),
     ]
 }
 
 fn property(name: &'static str, returns: &'static str, summary: &'static str, read: impl Fn(&ModesData) -> Dynamic + 'static) -> Function {
-    Function {
-        name,
-        form: Form::Property(ModesHandle::receiver()),
-        topic: Topic::Results,
-        summary,
-        parameters: Vec::new(),
-        returns,
-        example: modes_example(&format!("print(modes.{name});")),
-        see_also: &["modes"],
-        body: body(move |call| Ok(read(&call.receiver::<ModesHandle>().0))),
-    }
+    property_of::<ModesHandle>(Topic::Results, name)
+        .summary(summary)
+        .returns(returns)
+        .see_also(&["modes"])
+        .example(modes_example(&format!("print(modes.{name});")))
+        .body(move |_, modes| Ok(read(&modes.0)))
 }
 
 /// Argument that selects a mode by its number.
 fn mode_parameter() -> Parameter {
-    Parameter::new("mode", Kind::Integer, "number of the mode, from 0").within(Interval::Closed(0.0, MOST))
+    Parameter::integer("mode", "number of the mode, from 0").within(Interval::Closed(0.0, MOST))
 }
 
 fn shape() -> Function {
     use crate::script::api::models::handle::BodyHandle;
-    Function {
-        name: "shape",
-        form: Form::Method(ModesHandle::receiver()),
-        topic: Topic::Results,
-        summary: "the displacements of the nodes of a body in a mode, in the order of `sim.field(\"position\", body)`; the largest of the \
-                  whole model is of length 1",
-        parameters: vec![mode_parameter(), Parameter::new("body", Kind::Handle(BodyHandle::NAME), "the body")],
-        returns: "Array",
-        example: modes_example("print(modes.shape(0, plate)[2]);"),
-        see_also: &["modes", "field"],
-        body: body(|call| {
-            let modes = call.receiver::<ModesHandle>();
+    method_of::<ModesHandle>(Topic::Results, "shape")
+        .summary(
+            "the displacements of the nodes of a body in a mode, in the order of `sim.field(\"position\", body)`; the largest of the whole \
+             model is of length 1",
+        )
+        .parameters(vec![mode_parameter(), Parameter::object::<BodyHandle>("body", "the body")])
+        .returns("Array")
+        .see_also(&["modes", "field"])
+        .example(modes_example("print(modes.shape(0, plate)[2]);"))
+        .body(|call, modes| {
             let (_, mode) = modes.chosen(call, None)?;
             let (index, dimension) = (modes.0.simulation.body_index(call)?, modes.0.simulation.0.model.model.dimension());
             Ok(shape_array(&mode.shape[index], dimension))
-        }),
-    }
+        })
 }
 
 /// Options of pictures of a mode.
@@ -389,52 +369,43 @@ fn picture_keys() -> Vec<Parameter> {
         }
     }
     let deflection = Parameter::number("deflection", "length", Interval::Positive, "the largest displacement that is drawn");
-    all.splice(0..0, [mode_parameter().or(Absent::Integer(0)), deflection.or(Absent::Means("a tenth of the extent of the bodies"))]);
+    all.splice(0..0, [mode_parameter().or(0), deflection.otherwise("a tenth of the extent of the bodies")]);
     all
 }
 
 fn picture_function() -> Function {
-    Function {
-        name: "picture",
-        form: Form::Method(ModesHandle::receiver()),
-        topic: Topic::Results,
-        summary: "draws the shape of a mode as SVG or PNG, with the options of `sim.picture`",
-        parameters: vec![
+    method_of::<ModesHandle>(Topic::Results, "picture")
+        .summary("draws the shape of a mode as SVG or PNG, with the options of `sim.picture`")
+        .parameters(vec![
             path_parameter("an `.svg` or `.png` file below the output folder"),
-            Parameter::new("options", Kind::Options(picture_keys()), "what is shown").or(Absent::Means("#{ mode: 0 }")),
-        ],
-        returns: "",
-        example: modes_example("modes.picture(\"bending.svg\", #{ mode: 1 });"),
-        see_also: &["modes", "movie", "picture"],
-        body: body(|call| {
-            let (modes, options) = (call.receiver::<ModesHandle>(), call.options("options")?);
+            Parameter::options("what is shown").otherwise("#{ mode: 0 }").keys(picture_keys()),
+        ])
+        .see_also(&["modes", "movie", "picture"])
+        .example(modes_example("modes.picture(\"bending.svg\", #{ mode: 1 });"))
+        .body(|call, modes| {
+            let options = call.options("options")?;
             let (number, mode) = modes.chosen(call, Some(&options))?;
             let (mut shown, deflection) = modes.shown(&options)?;
             shown.title = modes.title(&options, number, mode)?;
             let draw = || Ok(picture(&modes.moved(mode, deflection), &modes.0.obstacles, &shown));
             Ok(write_drawing(call, Some(&modes.0.simulation), draw)?)
-        }),
-    }
+        })
 }
 
 fn movie_function() -> Function {
     let mut options = picture_keys();
     let seconds = "how long a period lasts; it repeats";
-    options.push(Parameter::number("seconds", "seconds", Interval::Closed(0.1, 3600.0), seconds).or(Absent::Number(2.0)));
-    Function {
-        name: "movie",
-        form: Form::Method(ModesHandle::receiver()),
-        topic: Topic::Results,
-        summary: "draws a period of a mode as an animated PNG or GIF, with the options of `sim.picture`",
-        parameters: vec![
+    options.push(Parameter::number("seconds", "seconds", Interval::Closed(0.1, 3600.0), seconds).or(2.0));
+    method_of::<ModesHandle>(Topic::Results, "movie")
+        .summary("draws a period of a mode as an animated PNG or GIF, with the options of `sim.picture`")
+        .parameters(vec![
             path_parameter("a `.png` or `.gif` file below the output folder"),
-            Parameter::new("options", Kind::Options(options), "what is shown").or(Absent::Means("#{ mode: 0 }")),
-        ],
-        returns: "",
-        example: modes_example("modes.movie(\"bending.gif\", #{ mode: 1, width: 300 });"),
-        see_also: &["modes", "picture", "movie"],
-        body: body(|call| {
-            let (modes, options) = (call.receiver::<ModesHandle>(), call.options("options")?);
+            Parameter::options("what is shown").otherwise("#{ mode: 0 }").keys(options),
+        ])
+        .see_also(&["modes", "picture", "movie"])
+        .example(modes_example("modes.movie(\"bending.gif\", #{ mode: 1, width: 300 });"))
+        .body(|call, modes| {
+            let options = call.options("options")?;
             let (number, mode) = modes.chosen(call, Some(&options))?;
             let (mut shown, deflection) = modes.shown(&options)?;
             shown.title = modes.title(&options, number, mode)?;
@@ -453,29 +424,23 @@ fn movie_function() -> Function {
                 bytes.ok_or_else(|| call.fail("there is no memory for pictures of this size").hint("choose a smaller `width`"))
             };
             Ok(write(call, Some(&modes.0.simulation), &[".png", ".gif"], content)?)
-        }),
-    }
+        })
 }
 
 fn write_function() -> Function {
-    let options = vec![mode_parameter().or(Absent::Integer(0))];
-    Function {
-        name: "write_fields",
-        form: Form::Method(ModesHandle::receiver()),
-        topic: Topic::Results,
-        summary: "writes the shape of a mode as VTU: the bodies as they are, with the shape as their `displacement`",
-        parameters: vec![
+    let options = vec![mode_parameter().or(0)];
+    method_of::<ModesHandle>(Topic::Results, "write_fields")
+        .summary("writes the shape of a mode as VTU: the bodies as they are, with the shape as their `displacement`")
+        .parameters(vec![
             path_parameter("a `.vtu` file below the output folder"),
-            Parameter::new("options", Kind::Options(options), "which mode").or(Absent::Means("#{ mode: 0 }")),
-        ],
-        returns: "",
-        example: modes_example("modes.write_fields(\"bending.vtu\", #{ mode: 1 });"),
-        see_also: &["modes", "picture", "write_fields"],
-        body: body(|call| {
-            let (modes, options) = (call.receiver::<ModesHandle>(), call.options("options")?);
+            Parameter::options("which mode").otherwise("#{ mode: 0 }").keys(options),
+        ])
+        .see_also(&["modes", "picture", "write_fields"])
+        .example(modes_example("modes.write_fields(\"bending.vtu\", #{ mode: 1 });"))
+        .body(|call, modes| {
+            let options = call.options("options")?;
             let (_, mode) = modes.chosen(call, Some(&options))?;
             let content = || Ok(Frame::new(modes.0.modes.time, &modes.moved(mode, 1.0)).encode());
             Ok(write(call, Some(&modes.0.simulation), &[".vtu"], content)?)
-        }),
-    }
+        })
 }

@@ -3,7 +3,6 @@
 use super::handle::SimulationHandle;
 use super::pictures::{keys, shown};
 use super::writing::write_course;
-use crate::math::catalogue::Interval;
 use crate::output::{Drawing, Field, MovieFormat, PictureBounds, PictureOptions, Still, movie, picture, shapes, sight};
 use crate::script::api::examples::flight_example;
 use crate::script::api::files::writing::path_parameter;
@@ -14,27 +13,24 @@ use crate::script::language::prelude::*;
 pub(super) fn movie_function() -> Function {
     let mut options = keys();
     let seconds = "how long it lasts; all pictures are shown equally long, and it repeats";
-    options.push(Parameter::number("seconds", "seconds", Interval::Closed(0.1, 3600.0), seconds).or(Absent::Number(8.0)));
-    Function {
-        name: "movie",
-        form: Form::Method(SimulationHandle::receiver()),
-        topic: Topic::Results,
-        summary: "draws the run so far as an animated PNG or GIF, with the options of `picture`, in one view and with one color range for \
-                  all of it; its pictures are those of the animation in `report.html` (`stills` of `simulate`)",
-        parameters: vec![
+    options.push(Parameter::number("seconds", "seconds", Interval::Closed(0.1, 3600.0), seconds).or(8.0));
+    method_of::<SimulationHandle>(Topic::Results, "movie")
+        .summary(
+            "draws the run so far as an animated PNG or GIF, with the options of `picture`, in one view and with one color range for all \
+             of it; its pictures are those of the animation in `report.html` (`stills` of `simulate`)",
+        )
+        .parameters(vec![
             path_parameter("a `.png` or `.gif` file below the output folder"),
-            Parameter::new("options", Kind::Options(options), "what is shown").or(Absent::Means("#{ field: \"von_mises\" }")),
-        ],
-        returns: "",
-        example: flight_example("sim.run_to(0.05);\nsim.movie(\"flight.gif\", #{ field: \"velocity\", seconds: 2, width: 400 });"),
-        see_also: &["picture", "report", "simulate"],
-        body: body(|call| {
-            let (handle, options) = (call.receiver::<SimulationHandle>(), call.options("options")?);
-            let title = options.argument("title");
-            let title = if title.is_given() { Some(title.text()?) } else { None };
+            Parameter::options("what is shown").otherwise("#{ field: \"von_mises\" }").keys(options),
+        ])
+        .see_also(&["picture", "report", "simulate"])
+        .example(flight_example("sim.run_to(0.05);\nsim.movie(\"flight.gif\", #{ field: \"velocity\", seconds: 2, width: 400 });"))
+        .body(|call, handle| {
+            let options = call.options("options")?;
+            let title = options.argument("title").given(Argument::text)?;
             let shown = shown(&options, &handle.0)?;
             if shown.section.is_some() && !handle.0.keeping.stills.has_inside {
-                let failure = options.argument("section").fail("the stills of this run have no inside").code(causes::BODY_KIND);
+                let failure = options.argument("section").refuse(causes::BODY_KIND, "the stills of this run have no inside");
                 let failure = failure.cause("of bodies in space the surface alone is recorded");
                 return Err(failure.hint("write `stills_inside: true` into the options of `simulate`").into());
             }
@@ -44,15 +40,13 @@ pub(super) fn movie_function() -> Function {
             if let Some((option, field)) = colors.chain(arrows).find(|(_, field)| !keeping.keeps(*field)) {
                 let failure = options
                     .argument(option)
-                    .fail(format!("the stills of this run do not have the field \"{}\"", field.name()))
-                    .code(causes::NO_SUCH);
+                    .refuse(causes::NO_SUCH, format!("the stills of this run do not have the field \"{}\"", field.name()));
                 let failure = failure.cause("displacement, velocity, stress and contact pressure are recorded, others on request");
                 return Err(failure.hint(format!("write `stills_fields: [\"{}\"]` into the options of `simulate`", field.name())).into());
             }
             let seconds = options.number("seconds")?;
             Ok(write_course(call, &handle, &[".png", ".gif"], || drawn(call, &handle, shown, title.as_deref(), seconds))?)
-        }),
-    }
+        })
 }
 
 /// Returns the bytes of the movie; `None` if the session writes no files, so that there is no recording.

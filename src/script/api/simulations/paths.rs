@@ -2,14 +2,11 @@
 
 use std::rc::Rc;
 
-use rhai::{Array, Dynamic, Map};
-
 use super::handle::SimulationHandle;
 use super::history::unknown_column;
 use super::settling::push_equilibrium;
 use super::states::StateHandle;
 use crate::dynamics::{CriticalKind, LedgerRow, Path, PathEnd, PathError, PathOptions};
-use crate::math::catalogue::Interval;
 use crate::output::History;
 use crate::script::api::examples::plate_example;
 use crate::script::language::diagnostics::Diagnostic;
@@ -92,29 +89,27 @@ fn follow_load() -> Function {
     let options = vec![
         Parameter::number("load", "time", Interval::Finite, "the load at which the path ends, as a time of the time functions"),
         Parameter::number("increment", "time", Interval::Positive, "the first increment; then they choose themselves")
-            .or(Absent::Means("a twentieth of the way")),
-        Parameter::new("points", Kind::Integer, "equilibria at most").within(Interval::Closed(2.0, MOST)).or(Absent::Integer(1000)),
-        Parameter::new(
+            .otherwise("a twentieth of the way"),
+        Parameter::integer("points", "equilibria at most").within(Interval::Closed(2.0, MOST)).or(1000),
+        Parameter::flag(
             "arc_length",
-            Kind::Flag,
             "whether a step has a given length in displacements, so that the load may fall and the path go back (snap-through, snap-back); \
              without it a step has a given load",
         )
-        .or(Absent::Flag(true)),
+        .or(true),
     ];
-    Function {
-        name: "follow_load",
-        form: Form::Method(SimulationHandle::receiver()),
-        topic: Topic::Simulation,
-        summary: "follows equilibria along the load from the present state, without inertia: loads and prescribed motions are functions of \
-                  time, and time is the load; finds limit points and bifurcations; the simulation stays where it is, and `restore` goes to \
-                  a state of the path",
-        parameters: vec![Parameter::new("options", Kind::Options(options), "how far, and how")],
-        returns: PathHandle::NAME,
-        example: path_example("print(path);\nprint(path.time);\nsim.restore(path.state(-1));"),
-        see_also: &["settle", "modes", "restore", "plot_curves"],
-        body: body(|call| {
-            let (handle, options) = (call.receiver::<SimulationHandle>(), call.options("options")?);
+    method_of::<SimulationHandle>(Topic::Simulation, "follow_load")
+        .summary(
+            "follows equilibria along the load from the present state, without inertia: loads and prescribed motions are functions of \
+             time, and time is the load; finds limit points and bifurcations; the simulation stays where it is, and `restore` goes to a \
+             state of the path",
+        )
+        .parameters(vec![Parameter::options("how far, and how").keys(options)])
+        .returns(PathHandle::NAME)
+        .see_also(&["settle", "modes", "restore", "plot_curves"])
+        .example(path_example("print(path);\nprint(path.time);\nsim.restore(path.state(-1));"))
+        .body(|call, handle| {
+            let options = call.options("options")?;
             handle.refuse_nested(call)?;
             handle.refuse_in_check(call)?;
             handle.looked()?;
@@ -135,8 +130,7 @@ fn follow_load() -> Function {
             let before = handle.0.history.borrow().clone();
             let path = PathHandle { path: Rc::new(path), rows: Rc::new(rows), before, simulation: handle };
             Ok(Dynamic::from(path))
-        }),
-    }
+        })
 }
 
 /// Options of a path from the arguments of a call; times are those of the solver, whose unit may differ from that of the script.
@@ -145,7 +139,7 @@ fn path_options(handle: &SimulationHandle, options: &Options) -> Result<PathOpti
     let now = handle.0.simulation.try_borrow().map(|simulation| handle.0.script_time(simulation.time())).unwrap_or_default();
     if until == now {
         let argument = options.argument("load");
-        let failure = argument.fail(format!("the simulation is at t = {} already", number_text(now))).code(causes::TIME);
+        let failure = argument.refuse(causes::TIME, format!("the simulation is at t = {} already", number_text(now)));
         return Err(failure.hint("give another time for the end of the path; `settle` finds the equilibrium of this one"));
     }
     let increment = if given.is_given() { given.number()? } else { (until - now).abs() / INCREMENTS };
@@ -166,37 +160,28 @@ fn refused(call: &Call, handle: &SimulationHandle, error: PathError) -> Failure 
 }
 
 fn column() -> Function {
-    Function {
-        name: "column",
-        form: Form::Column(PathHandle::receiver()),
-        topic: Topic::Results,
-        summary: "a column of the history of the path as an array: `path.time` is the load, `path[\"tip.uy\"]` what a probe sees",
-        parameters: vec![Parameter::new("name", Kind::Text, "the name of the column")],
-        returns: "Array",
-        example: path_example("print(path.strain);"),
-        see_also: &["follow_load", "history"],
-        body: body(|call| {
-            let (path, name) = (call.receiver::<PathHandle>(), call.text("name")?);
+    column_of::<PathHandle>(Topic::Results, "column")
+        .summary("a column of the history of the path as an array: `path.time` is the load, `path[\"tip.uy\"]` what a probe sees")
+        .parameters(vec![Parameter::text("name", "the name of the column")])
+        .returns("Array")
+        .see_also(&["follow_load", "history"])
+        .example(path_example("print(path.strain);"))
+        .body(|call, path| {
+            let name = call.text("name")?;
             match path.simulation.column_of(&*path.rows, 0, &name) {
-                Some(values) => Ok(values.into_iter().map(Dynamic::from).collect::<Array>().into()),
+                Some(values) => Ok(array_of(values)),
                 None => Err(unknown_column(call, &path.simulation, &name).into()),
             }
-        }),
-    }
+        })
 }
 
 fn property(name: &'static str, returns: &'static str, summary: &'static str, read: impl Fn(&PathHandle) -> Dynamic + 'static) -> Function {
-    Function {
-        name,
-        form: Form::Property(PathHandle::receiver()),
-        topic: Topic::Results,
-        summary,
-        parameters: Vec::new(),
-        returns,
-        example: path_example(&format!("print(path.{name});")),
-        see_also: &["follow_load"],
-        body: body(move |call| Ok(read(&call.receiver::<PathHandle>()))),
-    }
+    property_of::<PathHandle>(Topic::Results, name)
+        .summary(summary)
+        .returns(returns)
+        .see_also(&["follow_load"])
+        .example(path_example(&format!("print(path.{name});")))
+        .body(move |_, path| Ok(read(&path)))
 }
 
 fn critical() -> Function {
@@ -206,22 +191,21 @@ fn critical() -> Function {
     property("critical", "Array", summary, |path| {
         let of = |point: &crate::dynamics::CriticalPoint| {
             let load = path.script_time(point.load);
-            let entries: [(&str, Dynamic); 4] = [
+            map_of([
                 ("kind", kind_of(point.kind).into()),
                 ("load", load.into()),
                 ("time", load.into()),
                 ("after", (point.after as i64).into()),
-            ];
-            Dynamic::from(entries.into_iter().map(|(name, value)| (name.into(), value)).collect::<Map>())
+            ])
         };
-        path.path.critical.iter().map(of).collect::<Array>().into()
+        array_of(path.path.critical.iter().map(of))
     })
 }
 
 fn unstable() -> Function {
     let summary = "in how many directions each equilibrium is unstable: 0 of stable ones, -1 where that could not be counted";
     property("unstable", "Array", summary, |path| {
-        path.path.points.iter().map(|point| Dynamic::from(point.unstable.map_or(-1, |count| count as i64))).collect::<Array>().into()
+        array_of(path.path.points.iter().map(|point| point.unstable.map_or(-1, |count| count as i64)))
     })
 }
 
@@ -231,24 +215,20 @@ fn end() -> Function {
 }
 
 fn state() -> Function {
-    Function {
-        name: "state",
-        form: Form::Method(PathHandle::receiver()),
-        topic: Topic::Results,
-        summary: "the state of a point of the path, for `restore`: pictures, modes and motion go on from there, the path is their history",
-        parameters: vec![Parameter::new("point", Kind::Integer, "number of the point, from 0; negative ones count from the end")],
-        returns: StateHandle::NAME,
-        example: path_example("sim.restore(path.state(2));\nprint(sim.time);"),
-        see_also: &["follow_load", "restore", "modes"],
-        body: body(|call| {
-            let (path, number) = (call.receiver::<PathHandle>(), call.integer("point")?);
+    method_of::<PathHandle>(Topic::Results, "state")
+        .summary("the state of a point of the path, for `restore`: pictures, modes and motion go on from there, the path is their history")
+        .parameters(vec![Parameter::integer("point", "number of the point, from 0; negative ones count from the end")])
+        .returns(StateHandle::NAME)
+        .see_also(&["follow_load", "restore", "modes"])
+        .example(path_example("sim.restore(path.state(2));\nprint(sim.time);"))
+        .body(|call, path| {
+            let number = call.integer("point")?;
             let count = path.rows.len();
             let place = if number < 0 { number + count as i64 } else { number };
             let Some(index) = usize::try_from(place).ok().filter(|&index| index < count) else {
                 let failure = call
                     .argument("point")
-                    .fail(format!("there is no point {number}: they are numbered from 0 to {}", count - 1))
-                    .code(causes::NO_SUCH);
+                    .refuse(causes::NO_SUCH, format!("there is no point {number}: they are numbered from 0 to {}", count - 1));
                 return Err(failure.hint("`path.time.len()` is their number").into());
             };
             let mut history = path.before.clone();
@@ -257,6 +237,5 @@ fn state() -> Function {
             path.rows[1..=index].iter().for_each(|row| history.push(row.clone()));
             let state = path.path.points[index].state.clone();
             Ok(Dynamic::from(StateHandle::of(path.simulation, state, history)))
-        }),
-    }
+        })
 }

@@ -2,13 +2,10 @@
 
 use std::sync::LazyLock;
 
-use rhai::Dynamic;
-
 use super::handle::{SimulationData, SimulationHandle};
 use super::local_frames::{Geometry, frame_of, frame_parameters};
 use super::plots::ascending;
 use crate::dynamics::BodyFields;
-use crate::math::catalogue::Interval;
 use crate::output::{CutPlane, Field, Measure, Panel, PictureOptions, VIEWS, Vectors, View, picture};
 use crate::script::api::examples::flight_example;
 use crate::script::api::files::writing::{path_parameter, write_drawing};
@@ -29,7 +26,7 @@ macro_rules! names {
 }
 
 pub(super) fn keys() -> Vec<Parameter> {
-    let optional = |name, kind, summary, absent| Parameter::new(name, kind, summary).or(Absent::Means(absent));
+    let optional = |name, kind, summary, absent| Parameter::new(name, kind, summary).otherwise(absent);
     let mut keys = vec![
         Parameter::new(
             "field",
@@ -39,7 +36,7 @@ pub(super) fn keys() -> Vec<Parameter> {
              `stress_xx`, `principal_1`, `strain_tt`, `acceleration` or `energy_density`; `movie` needs some of them in `stills_fields` of \
              `simulate`",
         )
-        .or(Absent::Text("von_mises")),
+        .or("von_mises"),
         optional(
             "range",
             Kind::Array,
@@ -53,8 +50,8 @@ pub(super) fn keys() -> Vec<Parameter> {
             "that of `units`",
         ),
         optional("title", Kind::Text, "the text above", "name of the simulation and time"),
-        Parameter::new("mesh", Kind::Flag, "whether cell edges are drawn where there is room for them").or(Absent::Flag(true)),
-        Parameter::new("undeformed", Kind::Flag, "whether the undeformed bodies are outlined").or(Absent::Flag(false)),
+        Parameter::flag("mesh", "whether cell edges are drawn where there is room for them").or(true),
+        Parameter::flag("undeformed", "whether the undeformed bodies are outlined").or(false),
         optional(
             "vectors",
             Kind::Choice(names!(Vectors::ALL)),
@@ -67,17 +64,16 @@ pub(super) fn keys() -> Vec<Parameter> {
             Kind::Choice(names!(Measure::ALL)),
             "the indicator of lengths: a scale bar, or axes with numbers (in the plane)",
         )
-        .or(Absent::Text("bar")),
+        .or("bar"),
         optional("length_unit", Kind::Text, "your unit of lengths: `\"mm\"`", "that of `units`"),
         optional(
             "view",
             Kind::Either("a direction's name or a vector from the bodies to the viewer"),
             "the direction from which bodies in space are seen: `\"iso\"`, `\"front\"`, `\"back\"`, `\"left\"`, `\"right\"`, `\"top\"`, \
-             `\"bottom\"`, or \
-             a vector such as `[1, -2, 1]`",
+             `\"bottom\"`, or a vector such as `[1, -2, 1]`",
             "\"iso\"",
         ),
-        Parameter::new("up", Kind::Choice(AXES), "the axis that points up in pictures of bodies in space").or(Absent::Text("z")),
+        Parameter::new("up", Kind::Choice(AXES), "the axis that points up in pictures of bodies in space").or("z"),
         optional(
             "section",
             Kind::Options(vec![
@@ -93,8 +89,7 @@ pub(super) fn keys() -> Vec<Parameter> {
             "the bodies that are shown, such as `[ball]`: what others hide is seen, such as where they touch it",
             "all",
         ),
-        Parameter::number("width", "pixels", Interval::Closed(240.0, 10000.0), "the width; a PNG has twice as many pixels")
-            .or(Absent::Number(720.0)),
+        Parameter::number("width", "pixels", Interval::Closed(240.0, 10000.0), "the width; a PNG has twice as many pixels").or(720.0),
     ];
     keys.extend(frame_parameters());
     keys
@@ -102,26 +97,23 @@ pub(super) fn keys() -> Vec<Parameter> {
 
 /// Function `sim.picture` of scripts.
 pub(super) fn picture_function() -> Function {
-    Function {
-        name: "picture",
-        form: Form::Method(SimulationHandle::receiver()),
-        topic: Topic::Results,
-        summary: "draws the deformed bodies and their rigid obstacles as SVG or PNG, colored by one or several fields, with color bars, a \
-                  scale, and in space the directions of the axes",
-        parameters: vec![
+    method_of::<SimulationHandle>(Topic::Results, "picture")
+        .summary(
+            "draws the deformed bodies and their rigid obstacles as SVG or PNG, colored by one or several fields, with color bars, a \
+             scale, and in space the directions of the axes",
+        )
+        .parameters(vec![
             path_parameter("an `.svg` or `.png` file below the output folder"),
-            Parameter::new("options", Kind::Options(keys()), "what is shown").or(Absent::Means("#{ field: \"von_mises\" }")),
-        ],
-        returns: "",
-        example: flight_example(
+            Parameter::options("what is shown").otherwise("#{ field: \"von_mises\" }").keys(keys()),
+        ])
+        .see_also(&["movie", "plot", "write_fields"])
+        .example(flight_example(
             "sim.picture(\"start.svg\", #{ field: \"velocity\", vectors: \"velocity\", length_unit: \"m\" });\n\
              sim.picture(\"both.png\", #{ field: [\"von_mises\", \"pressure\"], mesh: false });",
-        ),
-        see_also: &["movie", "plot", "write_fields"],
-        body: body(|call| {
-            let (handle, options) = (call.receiver::<SimulationHandle>(), call.options("options")?);
-            let title = options.argument("title");
-            let title = if title.is_given() { Some(title.text()?) } else { None };
+        ))
+        .body(|call, handle| {
+            let options = call.options("options")?;
+            let title = options.argument("title").given(Argument::text)?;
             let mut shown = shown(&options, &handle.0)?;
             Ok(write_drawing(call, Some(&handle), || {
                 handle.with(call, |simulation| {
@@ -132,8 +124,7 @@ pub(super) fn picture_function() -> Function {
                     Ok(picture(&fields, &simulation.obstacles(), &shown))
                 })?
             })?)
-        }),
-    }
+        })
 }
 
 /// Refuses a section that removes all bodies.
@@ -145,7 +136,7 @@ fn refuse_empty_section(options: &Options, fields: &[BodyFields], shown: &Pictur
         return Ok(());
     }
     let argument = options.argument("section");
-    let failure = argument.fail(format!("{} takes away all that is shown", argument.title())).code(causes::EMPTY);
+    let failure = argument.wrong(causes::EMPTY, "takes away all that is shown");
     Err(failure.hint("give a `point` within the bodies: what is on the viewer's side of the plane is taken away"))
 }
 
@@ -154,21 +145,14 @@ pub(super) fn shown(options: &Options, data: &SimulationData) -> Result<PictureO
     let model = &data.model;
     let geometry = Geometry::of(&model.model);
     let dimension = geometry.dimension();
-    let unit = |name: &str, dimension: &str| {
-        let argument = options.argument(name);
-        if argument.is_given() { argument.text() } else { Ok(data.unit(dimension)) }
-    };
-    let text = |name: &str| {
-        let argument = options.argument(name);
-        if argument.is_given() { argument.text() } else { Ok(String::new()) }
-    };
+    let unit = |name: &str, dimension: &str| Ok(options.argument(name).given(Argument::text)?.unwrap_or_else(|| data.unit(dimension)));
+    let text = |name: &str| Ok(options.argument(name).given(Argument::text)?.unwrap_or_default());
     let measure = options.text("scale")?;
     let measure = Measure::ALL.iter().find(|row| row.0 == measure).map_or(Measure::default(), |row| row.1);
     if measure == Measure::Axes && dimension == 3 {
         let argument = options.argument("scale");
         let failure = argument
-            .fail("bodies in space have no axes with numbers")
-            .code(causes::DIMENSION)
+            .refuse(causes::DIMENSION, "bodies in space have no axes with numbers")
             .cause("lengths along the line of sight cannot be read off");
         return Err(failure.hint("use `scale: \"bar\"`; the triad shows the directions"));
     }
@@ -208,8 +192,7 @@ fn panels(options: &Options, geometry: Geometry, data: &SimulationData) -> Resul
     let units = if argument.is_given() { argument.text()? } else { String::new() };
     let units: Vec<&str> = units.split(',').map(str::trim).collect();
     if fields.len() > 1 && argument.is_given() && units.len() != fields.len() {
-        let failure =
-            argument.fail(format!("{} must name one unit for each of the {} fields", argument.title(), fields.len())).code(causes::COUNT);
+        let failure = argument.wrong(causes::COUNT, format!("must name one unit for each of the {} fields", fields.len()));
         let example: Vec<String> = names.iter().map(|name| format!("<unit of {name}>")).collect();
         return Err(failure.label(format!("this names {}", units.len())).hint(format!("write `unit: \"{}\"`", example.join(", "))));
     }
@@ -240,9 +223,8 @@ fn ranges(argument: &Argument, count: usize) -> Result<Vec<Option<[f64; 2]>>, Fa
     match pairs.filter(|pairs| pairs.len() == count) {
         Some(pairs) => Ok(pairs.into_iter().map(Some).collect()),
         None => {
-            let failure = argument
-                .fail(format!("{} must be an array with a range `[least, greatest]` for each of {count} fields", argument.title()))
-                .code(causes::COUNT);
+            let failure =
+                argument.wrong(causes::COUNT, format!("must be an array with a range `[least, greatest]` for each of {count} fields"));
             Err(failure.hint("write `range: [[0.0, 1.0], [0.0, 5.0]]`, or leave it out"))
         }
     }
@@ -255,27 +237,23 @@ fn section(options: &Options, view: &View, dimension: usize) -> Result<Option<Cu
         return Ok(None);
     }
     if dimension == 2 {
-        let failure =
-            argument.fail(format!("{} is for bodies in space", argument.title())).code(causes::DIMENSION).label("these bodies are plane");
+        let failure = argument.wrong(causes::DIMENSION, "is for bodies in space").label("these bodies are plane");
         return Err(failure.hint("leave it out: pictures of the plane show the inside"));
     }
     let plane = options.nested("section")?;
     let (normal, point) = (plane.argument("normal"), plane.argument("point"));
     if !normal.is_given() {
-        let failure = argument.fail(format!("{} has no normal", argument.title())).code(causes::NO_DIRECTION).label("`normal` is missing");
+        let failure = argument.wrong(causes::NO_DIRECTION, "has no normal").label("`normal` is missing");
         return Err(failure.hint("write `section: #{ normal: [0, 1, 0] }`, and `point: [x, y, z]` to cut elsewhere than in the middle"));
     }
     let point = if point.is_given() { Some(point.vector(3)?) } else { None };
     let direction = normal.vector(3)?;
     if direction == [0.0; 3] {
-        return Err(normal
-            .fail(format!("{} has no direction", normal.title()))
-            .code(causes::NO_DIRECTION)
-            .hint("write the normal of the plane, such as `[0, 1, 0]`"));
+        return Err(normal.wrong(causes::NO_DIRECTION, "has no direction").hint("write the normal of the plane, such as `[0, 1, 0]`"));
     }
     let plane = CutPlane::new(point, direction, view).ok_or_else(|| {
         let failure =
-            normal.fail("the section is seen from its edge").code(causes::NO_DIRECTION).cause("its plane contains the direction of sight");
+            normal.refuse(causes::NO_DIRECTION, "the section is seen from its edge").cause("its plane contains the direction of sight");
         failure.hint("choose another `view`, such as the normal itself")
     })?;
     Ok(Some(plane))
@@ -287,7 +265,7 @@ fn bodies(argument: &Argument, model: &ModelData) -> Result<Vec<String>, Failure
         return Ok(Vec::new());
     }
     let wrong = || {
-        let failure = argument.fail(format!("{} must be an array of bodies of this model", argument.title())).code(causes::OTHER_OWNER);
+        let failure = argument.wrong(causes::OTHER_OWNER, "must be an array of bodies of this model");
         failure.hint("write `bodies: [body]` with what `add_body` gave, or leave it out to show all")
     };
     let name_of = |value: Dynamic| {
@@ -303,8 +281,7 @@ fn view(options: &Options, dimension: usize) -> Result<View, Failure> {
     let (argument, up) = (options.argument("view"), options.argument("up"));
     for given in [&argument, &up] {
         if dimension == 2 && given.is_given() {
-            let failure =
-                given.fail(format!("{} is for bodies in space", given.title())).code(causes::DIMENSION).label("these bodies are plane");
+            let failure = given.wrong(causes::DIMENSION, "is for bodies in space").label("these bodies are plane");
             return Err(failure.cause("`x` points right and `y` up in pictures of the plane").hint("leave it out"));
         }
     }
@@ -322,8 +299,7 @@ fn view(options: &Options, dimension: usize) -> Result<View, Failure> {
     }
     View::from_direction(argument.vector(3)?, axis).ok_or_else(|| {
         let failure = argument
-            .fail(format!("{} has no direction", argument.title()))
-            .code(causes::NO_DIRECTION)
+            .wrong(causes::NO_DIRECTION, "has no direction")
             .label(format!("this is {}", describe(argument.call().engine(), &value)));
         failure.hint("give the direction from the bodies to the viewer, such as `[1, -2, 1]`")
     })

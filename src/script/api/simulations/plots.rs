@@ -2,12 +2,9 @@
 //!
 //! Default labels are words; the zero of a potential energy is chosen so that no curve is flattened ([`above_lowest_potential`]).
 
-use rhai::{Array, Dynamic, Map};
-
 use super::handle::SimulationHandle;
 use super::history::unknown_column;
 use super::writing::chosen_columns;
-use crate::math::catalogue::Interval;
 use crate::output::{Curve, CurveStyle, ENERGIES, Plot, PlotAxis, above_lowest_potential, pretty_unit};
 use crate::script::api::examples::flight_example;
 use crate::script::api::files::writing::{path_parameter, write_drawing};
@@ -19,13 +16,12 @@ use crate::script::language::wording::{did_you_mean, joined, listed};
 const CURVE_KEYS: [&str; 5] = ["of", "x", "y", "label", "style"];
 
 fn optional(name: &'static str, kind: Kind, summary: &'static str, absent: &'static str) -> Parameter {
-    Parameter::new(name, kind, summary).or(Absent::Means(absent))
+    Parameter::new(name, kind, summary).otherwise(absent)
 }
 
 /// Options common to all plots.
 fn plot_options() -> Vec<Parameter> {
-    let size =
-        |name, default, summary| Parameter::number(name, "pixels", Interval::Closed(240.0, 10000.0), summary).or(Absent::Number(default));
+    let size = |name, default, summary| Parameter::number(name, "pixels", Interval::Closed(240.0, 10000.0), summary).or(default);
     vec![
         optional("title", Kind::Text, "the text above", "name of the simulation, or none"),
         optional("x_label", Kind::Text, "the label of the horizontal axis, with your unit: `\"time [ms]\"`", "the column in words"),
@@ -33,7 +29,7 @@ fn plot_options() -> Vec<Parameter> {
         optional("x_range", Kind::Array, "the values at the ends of the horizontal axis", "those of the curves"),
         optional("y_range", Kind::Array, "the values at the ends of the vertical axis", "those of the curves"),
         Parameter::new("log", Kind::Choice(&["none", "x", "y", "xy"]), "the logarithmic axes; values that are not positive leave a gap")
-            .or(Absent::Text("none")),
+            .or("none"),
         size("width", 720.0, "the width; a PNG has twice as many pixels"),
         size("height", 420.0, "the height; a PNG has twice as many pixels"),
     ]
@@ -46,25 +42,23 @@ pub(super) fn plot() -> Function {
         optional("labels", Kind::Array, "the labels of the columns in the legend, one string each", "their names in words"),
     ];
     keys.extend(plot_options());
-    Function {
-        name: "plot",
-        form: Form::Method(SimulationHandle::receiver()),
-        topic: Topic::Results,
-        summary: "plots columns of the history over time, or over another column, as SVG or PNG; a constant potential energy that would \
-                  hide the other energies is taken off, as the legend says",
-        parameters: vec![
+    method_of::<SimulationHandle>(Topic::Results, "plot")
+        .summary(
+            "plots columns of the history over time, or over another column, as SVG or PNG; a constant potential energy that would hide \
+             the other energies is taken off, as the legend says",
+        )
+        .parameters(vec![
             path_parameter("an `.svg` or `.png` file below the output folder"),
-            Parameter::new("columns", Kind::Any, "the name of a column, or an array of names"),
-            Parameter::new("options", Kind::Options(keys), "axes, labels and size").or(Absent::Means("columns over time")),
-        ],
-        returns: "",
-        example: flight_example(
+            Parameter::any("columns", "the name of a column, or an array of names"),
+            Parameter::options("axes, labels and size").otherwise("columns over time").keys(keys),
+        ])
+        .see_also(&["plot_curves", "history", "picture"])
+        .example(flight_example(
             "sim.run_to(0.05);\nsim.plot(\"energy.svg\", [\"kinetic\", \"strain\", \"total\"]);\n\
              sim.plot(\"defect.png\", \"energy_defect\", #{ x: \"step\", y_label: \"defect [J]\", log: \"y\" });",
-        ),
-        see_also: &["plot_curves", "history", "picture"],
-        body: body(|call| {
-            let (handle, options) = (call.receiver::<SimulationHandle>(), call.options("options")?);
+        ))
+        .body(|call, handle| {
+            let options = call.options("options")?;
             let mut columns = chosen_columns(call, &handle)?;
             let over = options.argument("x");
             let x_name = if over.is_given() { over.text()? } else { "time".into() };
@@ -105,57 +99,46 @@ pub(super) fn plot() -> Function {
             }
             plot.curves = curves;
             Ok(write_drawing(call, Some(&handle), || Ok(plot.draw()))?)
-        }),
-    }
+        })
 }
 
 /// Function `plot_curves` of scripts.
 pub(super) fn plot_curves() -> Function {
-    Function {
-        name: "plot_curves",
-        form: Form::Function,
-        topic: Topic::Results,
-        summary: "plots arrays over arrays, and columns of any simulations, in one pair of axes, as SVG or PNG. A curve is a map: `x` and \
-                  `y` are arrays, or names of columns of the simulation `of` (`x` is then `\"time\"` where it is left out); `label` is \
-                  what the legend says; `style` is `\"line\"`, `\"dashed\"` or `\"points\"`",
-        parameters: vec![
+    function(Topic::Results, "plot_curves")
+        .summary(
+            "plots arrays over arrays, and columns of any simulations, in one pair of axes, as SVG or PNG. A curve is a map: `x` and `y` \
+             are arrays, or names of columns of the simulation `of` (`x` is then `\"time\"` where it is left out); `label` is what the \
+             legend says; `style` is `\"line\"`, `\"dashed\"` or `\"points\"`",
+        )
+        .parameters(vec![
             path_parameter("an `.svg` or `.png` file below the output folder"),
-            Parameter::new("curves", Kind::Array, "an array of curves `#{ x, y, label, style }` or `#{ of, x, y, label, style }`"),
-            Parameter::new("options", Kind::Options(plot_options()), "axes, labels and size").or(Absent::Means("no title and labels")),
-        ],
-        returns: "",
-        example: flight_example(
+            Parameter::array("curves", "an array of curves `#{ x, y, label, style }` or `#{ of, x, y, label, style }`"),
+            Parameter::options("axes, labels and size").otherwise("no title and labels").keys(plot_options()),
+        ])
+        .see_also(&["plot", "history"])
+        .example(flight_example(
             "sim.run_to(0.05);\n\
              plot_curves(\"law.svg\", [\n\
              \x20   #{ of: sim, y: \"kinetic\", label: \"computed\" },\n\
              \x20   #{ x: [0.0, 0.05], y: [2.0, 2.0], label: \"exact\", style: \"dashed\" },\n\
              ], #{ x_label: \"time [s]\", y_label: \"energy [J]\" });",
-        ),
-        see_also: &["plot", "history"],
-        body: body(|call| {
+        ))
+        .body(|call| {
             let (argument, options) = (call.argument("curves"), call.options("options")?);
             let entries = argument.array()?;
             let curves: Vec<Curve> =
                 entries.iter().enumerate().map(|(index, entry)| curve(call, &argument, index, entry)).collect::<Result<_, _>>()?;
             if curves.is_empty() {
-                return Err(argument
-                    .fail(format!("{} has no curves", argument.title()))
-                    .code(causes::EMPTY)
-                    .hint("write `[#{ x: […], y: […] }]`")
-                    .into());
+                return Err(argument.wrong(causes::EMPTY, "has no curves").hint("write `[#{ x: […], y: […] }]`").into());
             }
             let plot = Plot { curves, ..look(&options, "", [String::new(), String::new()])? };
             Ok(write_drawing(call, None, || Ok(plot.draw()))?)
-        }),
-    }
+        })
 }
 
 /// Returns title, axes and size of a plot; `labels` are the default labels of the axes.
 fn look(options: &Options, title: &str, labels: [String; 2]) -> Result<Plot, Failure> {
-    let given = |name: &str, otherwise: String| {
-        let argument = options.argument(name);
-        if argument.is_given() { argument.text() } else { Ok(otherwise) }
-    };
+    let given = |name: &str, otherwise: String| Ok(options.argument(name).given(Argument::text)?.unwrap_or(otherwise));
     let log = options.text("log")?;
     let [x, y] = labels;
     let axis = |letter: &str, label: String| {
@@ -163,7 +146,7 @@ fn look(options: &Options, title: &str, labels: [String; 2]) -> Result<Plot, Fai
         let range_of = ascending(&range)?;
         match range_of {
             Some([low, _]) if is_logarithmic && low <= 0.0 => {
-                let failure = range.fail(format!("{} must be positive on a logarithmic axis", range.title())).code(causes::OUT_OF_RANGE);
+                let failure = range.wrong(causes::OUT_OF_RANGE, "must be positive on a logarithmic axis");
                 Err(failure.label("this begins at or below 0").hint("begin at a positive number, such as `[1e-6, 1.0]`"))
             }
             range => Ok(PlotAxis { label, range, is_logarithmic, included: None }),
@@ -183,12 +166,11 @@ pub(super) fn ascending(argument: &Argument) -> Result<Option<[f64; 2]>, Failure
     match numbers[..] {
         [low, high] if low < high => Ok(Some([low, high])),
         [_, _] => Err(argument
-            .fail(format!("{} must ascend", argument.title()))
-            .code(causes::ORDER)
+            .wrong(causes::ORDER, "must ascend")
             .label("the first is not less than the second")
             .hint("write `[least, greatest]`")),
         _ => {
-            let failure = argument.fail(format!("{} must be two numbers", argument.title())).code(causes::WRONG_TYPE);
+            let failure = argument.wrong(causes::WRONG_TYPE, "must be two numbers");
             Err(failure.label(format!("this has {}", numbers.len())).hint("write `[least, greatest]`"))
         }
     }
@@ -203,14 +185,10 @@ fn labels(options: &Options, count: usize) -> Result<Option<Vec<String>>, Failur
     let array = argument.array()?;
     let texts: Option<Vec<String>> = array.iter().map(|label| label.clone().into_string().ok()).collect();
     let Some(texts) = texts else {
-        return Err(argument
-            .fail(format!("{} must be an array of strings", argument.title()))
-            .code(causes::WRONG_TYPE)
-            .hint("write `[\"inner ring\", \"outer ring\"]`"));
+        return Err(argument.wrong(causes::WRONG_TYPE, "must be an array of strings").hint("write `[\"inner ring\", \"outer ring\"]`"));
     };
     if texts.len() != count {
-        let failure =
-            argument.fail(format!("{} must have one string for each of the {count} columns", argument.title())).code(causes::COUNT);
+        let failure = argument.wrong(causes::COUNT, format!("must have one string for each of the {count} columns"));
         return Err(failure.label(format!("this has {}", texts.len())).hint("name every column, in the order of `columns`"));
     }
     Ok(Some(texts))

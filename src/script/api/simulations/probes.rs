@@ -2,8 +2,6 @@
 //!
 //! A probe follows the node nearest to a point of the undeformed body.
 
-use rhai::{Array, Dynamic};
-
 use super::columns::{Probe, probe_columns};
 use super::fields::{at_shares, name_parameter};
 use super::handle::{SimulationHandle, busy};
@@ -77,24 +75,20 @@ impl SimulationHandle {
 /// Script functions defined in this file.
 pub fn functions() -> Vec<Function> {
     let mut all = vec![probe(), field()];
-    let property = |name: &'static str, summary: &'static str, read: fn(&ProbeValues, [f64; 3]) -> [f64; 3]| Function {
-        name,
-        form: Form::Property(ProbeHandle::receiver()),
-        topic: Topic::Results,
-        summary,
-        parameters: Vec::new(),
-        returns: "Array",
-        example: flight_example(&format!("let tip = sim.probe(\"tip\", plate, [2.0, 1.0]);\nsim.step(3);\nprint(tip.{name});")),
-        see_also: &["probe", "history"],
-        body: body(move |call| {
-            let handle = call.receiver::<ProbeHandle>();
-            // In `conserva check` there are no results.
-            handle.simulation.with_row(call, |_| ())?;
-            let (Some(values), probe) = (handle.values(), handle.probe()) else { return Err(busy(call).into()) };
-            let model = &handle.simulation.0.model.model;
-            let vector = read(&values, model.bodies[probe.body].mesh.points[probe.node]);
-            Ok(vector[..model.dimension()].iter().map(|&value| Dynamic::from(value)).collect::<Array>().into())
-        }),
+    let property = |name: &'static str, summary: &'static str, read: fn(&ProbeValues, [f64; 3]) -> [f64; 3]| {
+        property_of::<ProbeHandle>(Topic::Results, name)
+            .summary(summary)
+            .returns("Array")
+            .see_also(&["probe", "history"])
+            .example(flight_example(&format!("let tip = sim.probe(\"tip\", plate, [2.0, 1.0]);\nsim.step(3);\nprint(tip.{name});")))
+            .body(move |call, handle| {
+                // In `conserva check` there are no results.
+                handle.simulation.with_row(call, |_| ())?;
+                let (Some(values), probe) = (handle.values(), handle.probe()) else { return Err(busy(call).into()) };
+                let model = &handle.simulation.0.model.model;
+                let vector = read(&values, model.bodies[probe.body].mesh.points[probe.node]);
+                Ok(array_of(vector[..model.dimension()].iter().copied()))
+            })
     };
     all.extend([
         property("displacement", "the displacement of the probe's point now", |values, _| values.displacement),
@@ -110,58 +104,54 @@ pub fn functions() -> Vec<Function> {
 }
 
 fn field() -> Function {
-    Function {
-        name: "field",
-        form: Form::Method(ProbeHandle::receiver()),
-        topic: Topic::Results,
-        summary: "a field of the body at the probe's point now: a number, or an array for a vector",
-        parameters: vec![
+    method_of::<ProbeHandle>(Topic::Results, "field")
+        .summary("a field of the body at the probe's point now: a number, or an array for a vector")
+        .parameters(vec![
             name_parameter(),
-            Parameter::new("options", Kind::Options(frame_parameters().into()), "the frame of `stress_rr`, `stress_along` and the like")
-                .or(Absent::Means("the axes of the model")),
-        ],
-        returns: "any",
-        example: flight_example(
+            Parameter::options("the frame of `stress_rr`, `stress_along` and the like")
+                .otherwise("the axes of the model")
+                .keys(frame_parameters().into()),
+        ])
+        .returns("any")
+        .see_also(&["probe", "field", "along"])
+        .example(flight_example(
             "let tip = sim.probe(\"tip\", plate, [2.0, 1.0]);\nlet peaks = [];\nsim.on_step(|sim| peaks.push(tip.field(\"von_mises\")));\n\
              sim.step(3);\nprint(peaks);",
-        ),
-        see_also: &["probe", "field", "along"],
-        body: body(|call| {
-            let (handle, options) = (call.receiver::<ProbeHandle>(), call.options("options")?);
+        ))
+        .body(|call, handle| {
+            let options = call.options("options")?;
             let (simulation, probe, name) = (&handle.simulation, handle.probe(), call.text("name")?);
             let geometry = Geometry::of(&simulation.0.model.model);
             let frame = frame_of(&options, geometry)?;
             let fields = simulation.with(call, |simulation| simulation.fields().swap_remove(probe.body))?;
             let values = at_shares(&name, &fields, &frame, &[Some(vec![(probe.node as u32, 1.0)])], geometry.dimension());
             Ok(values.into_iter().next().unwrap_or_default())
-        }),
-    }
+        })
 }
 
 fn probe() -> Function {
-    Function {
-        name: "probe",
-        form: Form::Method(SimulationHandle::receiver()),
-        topic: Topic::Results,
-        summary: "follows the node of a body nearest to a point at rest; the history gets the columns `name.ux`, `name.uy`, `name.vx`, \
-                  `name.vy`, `name.ax`, `name.ay`",
-        parameters: vec![
-            Parameter::new("name", Kind::Text, "its name, unique in the simulation"),
-            Parameter::new("body", Kind::Handle(BodyHandle::NAME), "the body"),
-            Parameter::new("point", Kind::Vector, "the point in the undeformed body").of("length"),
-        ],
-        returns: ProbeHandle::NAME,
-        example: flight_example(
+    method_of::<SimulationHandle>(Topic::Results, "probe")
+        .summary(
+            "follows the node of a body nearest to a point at rest; the history gets the columns `name.ux`, `name.uy`, `name.vx`, \
+             `name.vy`, `name.ax`, `name.ay`",
+        )
+        .parameters(vec![
+            Parameter::text("name", "its name, unique in the simulation"),
+            Parameter::object::<BodyHandle>("body", "the body"),
+            Parameter::vector("point", "the point in the undeformed body").of("length"),
+        ])
+        .returns(ProbeHandle::NAME)
+        .see_also(&["history", "contact"])
+        .example(flight_example(
             "let tip = sim.probe(\"tip\", plate, [2.0, 1.0]);\nsim.step(3);\nprint(tip);\nprint(sim.history[\"tip.uy\"]);",
-        ),
-        see_also: &["history", "contact"],
-        body: body(|call| {
-            let (handle, argument) = (call.receiver::<SimulationHandle>(), call.argument("name"));
+        ))
+        .body(|call, handle| {
+            let argument = call.argument("name");
             let (name, index) = (argument.name()?, handle.body_index(call)?);
             let model = &handle.0.model.model;
             let taken = handle.0.probes.borrow().iter().any(|probe| probe.name == name) || model.contact_names().contains(&name.as_str());
             if taken {
-                let failure = argument.fail(format!("there is a probe or contact \"{name}\" already")).code(causes::NAME_TAKEN);
+                let failure = argument.refuse(causes::NAME_TAKEN, format!("there is a probe or contact \"{name}\" already"));
                 return Err(failure.hint("give the probe a name of its own: it names columns of the history").into());
             }
             let point = call.argument("point").vector(model.dimension())?;
@@ -172,8 +162,7 @@ fn probe() -> Function {
             handle.add_probe(call, Probe { name, body: index, node })?;
             let index = handle.0.probes.borrow().len() - 1;
             Ok(Dynamic::from(ProbeHandle { simulation: handle, index }))
-        }),
-    }
+        })
 }
 
 /// Warns of a point whose distance from its node exceeds the size of the adjacent cells.

@@ -3,14 +3,11 @@
 use std::cell::RefCell;
 use std::rc::Rc;
 
-use rhai::{Array, Dynamic, Map};
-
 use super::handle::{SimulationHandle, busy};
 use crate::dynamics::Simulation;
 use crate::script::api::examples::flight_example;
 use crate::script::api::models::handle::{BodyHandle, ModelHandle};
-use crate::script::language::function::{Form, Function, Topic, body};
-use crate::script::language::handle::Handle;
+use crate::script::language::prelude::*;
 
 /// Script functions defined in this file.
 pub fn functions() -> Vec<Function> {
@@ -24,14 +21,14 @@ pub fn functions() -> Vec<Function> {
         }),
         property("momentum", "the linear momentum, an array", "Array", |simulation| {
             let row = simulation.row();
-            row.momentum[..simulation.dimension()].iter().map(|&value| Dynamic::from(value)).collect::<Array>().into()
+            array_of(row.momentum[..simulation.dimension()].iter().copied())
         }),
         property("angular_momentum", "the angular momentum about the origin: a number, in space an array", "number", |simulation| {
             let row = simulation.row();
             if simulation.dimension() == 2 {
                 return row.angular_momentum[2].into();
             }
-            row.angular_momentum.iter().map(|&value| Dynamic::from(value)).collect::<Array>().into()
+            array_of(row.angular_momentum.iter().copied())
         }),
         property("active", "the number of closed contact nodes", "int", |simulation| Dynamic::from(simulation.row().active as i64)),
         unknowns(),
@@ -41,83 +38,57 @@ pub fn functions() -> Vec<Function> {
 }
 
 fn time() -> Function {
-    Function {
-        name: "time",
-        form: Form::Property(SimulationHandle::receiver()),
-        topic: Topic::Simulation,
-        summary: "the time reached",
-        parameters: Vec::new(),
-        returns: "number",
-        example: flight_example("print(sim.time);"),
-        see_also: &["history", "run_to"],
-        body: body(|call| {
-            let handle = call.receiver::<SimulationHandle>();
+    property_of::<SimulationHandle>(Topic::Simulation, "time")
+        .summary("the time reached")
+        .returns("number")
+        .see_also(&["history", "run_to"])
+        .example(flight_example("print(sim.time);"))
+        .body(|call, handle| {
             let time = handle.with_row(call, Simulation::time)?;
             Ok(handle.0.script_time(time).into())
-        }),
-    }
+        })
 }
 
 fn unknowns() -> Function {
-    Function {
-        name: "unknowns",
-        form: Form::Property(SimulationHandle::receiver()),
-        topic: Topic::Simulation,
-        summary: "the number of free displacement components",
-        parameters: Vec::new(),
-        returns: "int",
-        example: flight_example("print(sim.unknowns);"),
-        see_also: &["bodies"],
-        body: body(|call| match call.receiver::<SimulationHandle>().0.simulation.try_borrow() {
+    property_of::<SimulationHandle>(Topic::Simulation, "unknowns")
+        .summary("the number of free displacement components")
+        .returns("int")
+        .see_also(&["bodies"])
+        .example(flight_example("print(sim.unknowns);"))
+        .body(|call, simulation| match simulation.0.simulation.try_borrow() {
             Ok(simulation) => Ok(Dynamic::from(simulation.unknowns() as i64)),
             Err(_) => Err(busy(call).into()),
-        }),
-    }
+        })
 }
 
 fn name() -> Function {
-    Function {
-        name: "name",
-        form: Form::Property(SimulationHandle::receiver()),
-        topic: Topic::Simulation,
-        summary: "the name of the simulation: that of its model",
-        parameters: Vec::new(),
-        returns: "String",
-        example: flight_example("print(sim.name);"),
-        see_also: &["simulate"],
-        body: body(|call| Ok(call.receiver::<SimulationHandle>().0.name.clone().into())),
-    }
+    property_of::<SimulationHandle>(Topic::Simulation, "name")
+        .summary("the name of the simulation: that of its model")
+        .returns("String")
+        .see_also(&["simulate"])
+        .example(flight_example("print(sim.name);"))
+        .body(|_, simulation| Ok(simulation.0.name.clone().into()))
 }
 
 fn bodies() -> Function {
-    Function {
-        name: "bodies",
-        form: Form::Property(SimulationHandle::receiver()),
-        topic: Topic::Simulation,
-        summary: "the bodies of the simulation, as they were when it was made",
-        parameters: Vec::new(),
-        returns: "Array",
-        example: flight_example("for body in sim.bodies { print(body.name); }"),
-        see_also: &["add_body"],
-        body: body(|call| {
-            let data = call.receiver::<SimulationHandle>().0.model.clone();
+    property_of::<SimulationHandle>(Topic::Simulation, "bodies")
+        .summary("the bodies of the simulation, as they were when it was made")
+        .returns("Array")
+        .see_also(&["add_body"])
+        .example(flight_example("for body in sim.bodies { print(body.name); }"))
+        .body(|_, simulation| {
+            let data = simulation.0.model.clone();
             let count = data.model.bodies.len();
             let model = ModelHandle(Rc::new(RefCell::new(data)));
             Ok((0..count).map(|index| Dynamic::from(BodyHandle { model: model.clone(), index })).collect::<Array>().into())
-        }),
-    }
+        })
 }
 
 fn property(name: &'static str, summary: &'static str, returns: &'static str, read: fn(&Simulation) -> Dynamic) -> Function {
-    Function {
-        name,
-        form: Form::Property(SimulationHandle::receiver()),
-        topic: Topic::Simulation,
-        summary,
-        parameters: Vec::new(),
-        returns,
-        example: flight_example(&format!("print(sim.{name});")),
-        see_also: &["history"],
-        body: body(move |call| Ok(call.receiver::<SimulationHandle>().with_row(call, read)?)),
-    }
+    property_of::<SimulationHandle>(Topic::Simulation, name)
+        .summary(summary)
+        .returns(returns)
+        .see_also(&["history"])
+        .example(flight_example(&format!("print(sim.{name});")))
+        .body(move |call, simulation| Ok(simulation.with_row(call, read)?))
 }

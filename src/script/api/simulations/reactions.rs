@@ -1,6 +1,6 @@
 //! Reactions of supports: forces and torques of `fix` and `prescribe` on a boundary.
 
-use rhai::{Array, Dynamic, ImmutableString};
+use rhai::ImmutableString;
 
 use super::handle::SimulationHandle;
 use super::told::ScriptOutput;
@@ -23,7 +23,7 @@ impl ReactionHandle {
     fn moment(&self) -> Dynamic {
         match self.dimension {
             2 => self.reaction.moment[2].into(),
-            _ => self.reaction.moment.iter().map(|&value| value.into()).collect::<Array>().into(),
+            _ => array_of(self.reaction.moment.iter().copied()),
         }
     }
 }
@@ -44,33 +44,30 @@ pub fn functions() -> Vec<Function> {
     vec![
         reaction(),
         property("force", "Array", "the resultant of the support forces on the boundary, a mean over the last step", |reaction| {
-            reaction.reaction.force[..reaction.dimension].iter().map(|&value| value.into()).collect::<Array>().into()
+            array_of(reaction.reaction.force[..reaction.dimension].iter().copied())
         }),
         property("moment", "", "its moment about the origin: a number in the plane, an array in space", ReactionHandle::moment),
     ]
 }
 
 fn reaction() -> Function {
-    Function {
-        name: "reaction",
-        form: Form::Method(SimulationHandle::receiver()),
-        topic: Topic::Results,
-        summary: "the forces of `fix` and `prescribe` on a boundary, in the history as columns `body.boundary.reaction.force_x` and so on, \
-                  or \
-                  a symmetry on its nodes, a periodic pair on its second boundary",
-        parameters: vec![Parameter::new(
+    method_of::<SimulationHandle>(Topic::Results, "reaction")
+        .summary(
+            "the forces of `fix` and `prescribe` on a boundary, in the history as columns `body.boundary.reaction.force_x` and so on, or a \
+             symmetry on its nodes, a periodic pair on its second boundary",
+        )
+        .parameters(vec![Parameter::new(
             "boundary",
             Kind::Either("a boundary or the name of a symmetry or a periodic pair"),
             "a boundary that a support holds or moves, or the name of what couples nodes",
-        )],
-        returns: ReactionHandle::NAME,
-        example: contact_example(
+        )])
+        .returns(ReactionHandle::NAME)
+        .see_also(&["fix", "prescribe", "contact", "history"])
+        .example(contact_example(
             "let below = table.boundary(\"bottom\");\npress.fix(below);\npress.gravity([0.0, -10.0]);\n\
              let held = simulate(press, #{ integrator: energy_momentum(), dt: 0.001 });\nheld.step();\nprint(held.reaction(below));",
-        ),
-        see_also: &["fix", "prescribe", "contact", "history"],
-        body: body(|call| {
-            let handle = call.receiver::<SimulationHandle>();
+        ))
+        .body(|call, handle| {
             let boundary = match call.argument("boundary").value().try_cast::<ImmutableString>() {
                 Some(name) => name.to_string(),
                 None => call.handle::<BoundaryHandle>("boundary")?.title(),
@@ -78,34 +75,27 @@ fn reaction() -> Function {
             let names = handle.0.model.model.reaction_names();
             let Some(index) = names.iter().position(|name| *name == boundary) else {
                 let names: Vec<&str> = names.iter().map(String::as_str).collect();
-                let failure = call.argument("boundary").unknown_name(format!("nothing holds \"{boundary}\""), &boundary, &names);
-                return Err(failure.into());
+                return Err(call.argument("boundary").unknown_name(format!("nothing holds \"{boundary}\""), &boundary, &names).into());
             };
             let found = handle
                 .with_row(call, |simulation| (simulation.row().reactions.get(index).copied(), simulation.time(), simulation.dimension()))?;
             let (Some(reaction), time, dimension) = found else {
-                let failure = call.fail(format!("the reaction of \"{boundary}\" is not known before the first step")).code(causes::TIME);
+                let failure = call.refuse(causes::TIME, format!("the reaction of \"{boundary}\" is not known before the first step"));
                 return Err(failure.hint("take a step, or compute an equilibrium by `sim.settle()`").into());
             };
             Ok(Dynamic::from(ReactionHandle { boundary, time, dimension, reaction, told: ScriptOutput::of(&handle) }))
-        }),
-    }
+        })
 }
 
 fn property(name: &'static str, returns: &'static str, summary: &'static str, read: fn(&ReactionHandle) -> Dynamic) -> Function {
-    Function {
-        name,
-        form: Form::Property(ReactionHandle::receiver()),
-        topic: Topic::Results,
-        summary,
-        parameters: Vec::new(),
-        returns,
-        example: contact_example(&format!(
+    property_of::<ReactionHandle>(Topic::Results, name)
+        .summary(summary)
+        .returns(returns)
+        .see_also(&["reaction"])
+        .example(contact_example(&format!(
             "let below = table.boundary(\"bottom\");\npress.fix(below);\n\
              let held = simulate(press, #{{ integrator: energy_momentum(), dt: 0.001 }});\nheld.step();\n\
              print(held.reaction(below).{name});"
-        )),
-        see_also: &["reaction"],
-        body: body(move |call| Ok(read(&call.receiver::<ReactionHandle>()))),
-    }
+        )))
+        .body(move |_, reaction| Ok(read(&reaction)))
 }

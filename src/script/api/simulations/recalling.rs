@@ -218,7 +218,7 @@ impl SimulationHandle {
             (None, journal) => {
                 let known = journal.map_or(Ok(None), |(journal, number)| journal.next_state(Some(*number)))?;
                 let missing =
-                    || call.fail("the state to go back to is not in the checkpoint from which the run was resumed").code(causes::TIME);
+                    || call.refuse(causes::TIME, "the state to go back to is not in the checkpoint from which the run was resumed");
                 let hint = "keep a state with `sim.save()` and go back to it with `sim.restore(state)`, or run the script anew";
                 known.map(|(_, state)| state).ok_or_else(|| missing().hint(hint))
             }

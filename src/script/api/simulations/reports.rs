@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use rhai::{Array, Dynamic};
 use serde_json::Value;
 
 use super::columns::{further_values, model_columns, names, probe_columns};
@@ -34,25 +33,23 @@ use crate::script::language::wording::joined;
 
 /// `report`: the page of the present simulation.
 pub(super) fn report_function() -> Function {
-    Function {
-        name: "report",
-        form: Form::Function,
-        topic: Topic::Results,
-        summary: "writes a page about the run so far that opens in any browser without a network: the model, an animation, plots and \
-                  the ledger over its time, warnings, the script; at the end of a run `report.html` is written without being asked for. \
-                  Of several simulations the page shows their pictures side by side and their curves in one set of axes",
-        parameters: vec![
+    function(Topic::Results, "report")
+        .summary(
+            "writes a page about the run so far that opens in any browser without a network: the model, an animation, plots and the ledger \
+             over its time, warnings, the script; at the end of a run `report.html` is written without being asked for. Of several \
+             simulations the page shows their pictures side by side and their curves in one set of axes",
+        )
+        .parameters(vec![
             Parameter::new(
                 "simulation",
                 Kind::Either("a Simulation, or an array of two to six of them"),
                 "the simulation, or several to compare",
             ),
             path_parameter("an `.html` file below the output folder"),
-        ],
-        returns: "",
-        example: flight_example("sim.run_to(0.05);\nreport(sim, \"flight.html\");"),
-        see_also: &["picture", "plot", "simulate"],
-        body: body(|call| {
+        ])
+        .see_also(&["picture", "plot", "simulate"])
+        .example(flight_example("sim.run_to(0.05);\nreport(sim, \"flight.html\");"))
+        .body(|call| {
             let handles = simulations(&call.argument("simulation"))?;
             let content = || {
                 let pages = handles.iter().map(|handle| {
@@ -63,8 +60,7 @@ pub(super) fn report_function() -> Function {
                 Ok(joined_pages(pages.collect::<Result<_, Failure>>()?))
             };
             Ok(write_course(call, &handles[0], &[".html"], content)?)
-        }),
-    }
+        })
 }
 
 /// Simulations of an argument, at least one.
@@ -79,7 +75,7 @@ fn simulations(argument: &Argument) -> Result<Vec<SimulationHandle>, Failure> {
     match handles.len() {
         1..=6 => Ok(handles),
         count => {
-            let failure = argument.fail(format!("{} must have one to six simulations", argument.title())).code(causes::COUNT);
+            let failure = argument.wrong(causes::COUNT, "must have one to six simulations");
             Err(failure.label(format!("it has {count}")).hint("choose those that matter; a table of many is made by `conserva sweep`"))
         }
     }

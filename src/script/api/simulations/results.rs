@@ -2,8 +2,6 @@
 
 use std::sync::Arc;
 
-use rhai::Dynamic;
-
 use super::artifacts::has_surfaces;
 use super::handle::SimulationHandle;
 use super::writing::chosen_columns;
@@ -30,19 +28,16 @@ pub fn functions() -> Vec<Function> {
 }
 
 fn write_fields() -> Function {
-    Function {
-        name: "write_fields",
-        form: Form::Method(SimulationHandle::receiver()),
-        topic: Topic::Results,
-        summary: "writes displacement, velocity, stress, contact pressure and gap of all bodies as they are now as VTU, and beside it, \
-                  where there are any, their rigid obstacles (`start_obstacles.vtu` for `start.vtu`) and the secondary surfaces of their \
-                  contacts (`start_contacts.vtu`)",
-        parameters: vec![path_parameter("a `.vtu` file below the output folder")],
-        returns: "",
-        example: flight_example("sim.write_fields(\"start.vtu\");"),
-        see_also: &["picture", "simulate"],
-        body: body(|call| {
-            let handle = call.receiver::<SimulationHandle>();
+    method_of::<SimulationHandle>(Topic::Results, "write_fields")
+        .summary(
+            "writes displacement, velocity, stress, contact pressure and gap of all bodies as they are now as VTU, and beside it, where \
+             there are any, their rigid obstacles (`start_obstacles.vtu` for `start.vtu`) and the secondary surfaces of their contacts \
+             (`start_contacts.vtu`)",
+        )
+        .parameters(vec![path_parameter("a `.vtu` file below the output folder")])
+        .see_also(&["picture", "simulate"])
+        .example(flight_example("sim.write_fields(\"start.vtu\");"))
+        .body(|call, handle| {
             let units = || handle.0.units.clone().map(Arc::new);
             let content = || handle.with(call, |simulation| Frame::new(simulation.time(), &simulation.fields()).in_units(units()).encode());
             let written = write(call, Some(&handle), &[".vtu"], content)?;
@@ -63,22 +58,16 @@ fn write_fields() -> Function {
                 write_at(call, Some(&handle), &path, &handle.with(call, frame)?)?;
             }
             Ok(written)
-        }),
-    }
+        })
 }
 
 fn show() -> Function {
-    Function {
-        name: "show",
-        form: Form::Method(SimulationHandle::receiver()),
-        topic: Topic::Results,
-        summary: "draws columns of the history over time right here, with letters",
-        parameters: vec![Parameter::new("columns", Kind::Any, "the name of a column, or an array of names").or(Absent::Means("\"total\""))],
-        returns: "",
-        example: flight_example("sim.run_to(0.05);\nsim.show([\"kinetic\", \"strain\", \"total\"]);"),
-        see_also: &["plot", "history"],
-        body: body(|call| {
-            let handle = call.receiver::<SimulationHandle>();
+    method_of::<SimulationHandle>(Topic::Results, "show")
+        .summary("draws columns of the history over time right here, with letters")
+        .parameters(vec![Parameter::any("columns", "the name of a column, or an array of names").otherwise("\"total\"")])
+        .see_also(&["plot", "history"])
+        .example(flight_example("sim.run_to(0.05);\nsim.show([\"kinetic\", \"strain\", \"total\"]);"))
+        .body(|call, handle| {
             let columns = chosen_columns(call, &handle)?;
             if call.host.is_check() {
                 return Ok(Dynamic::UNIT);
@@ -88,6 +77,5 @@ fn show() -> Function {
             let is_colored = call.host.observer.ink() == Ink::Colored;
             call.host.observer.print(&braille_plot(&handle.0.name, "time", &time, &curves, is_colored));
             Ok(Dynamic::UNIT)
-        }),
-    }
+        })
 }

@@ -1,7 +1,5 @@
 //! Cut forces of a body: force and moment that the material on one side of a plane exerts on the other.
 
-use rhai::Dynamic;
-
 use super::fields::vector;
 use super::handle::SimulationHandle;
 use super::told::ScriptOutput;
@@ -71,65 +69,53 @@ pub fn functions() -> Vec<Function> {
 }
 
 fn section_force() -> Function {
-    Function {
-        name: "section_force",
-        form: Form::Method(SimulationHandle::receiver()),
-        topic: Topic::Results,
-        summary: "the cut force of a body across a plane of the undeformed body: the force of the cells in front of it, towards which the \
-                  normal points, on the others. A cell is in front if its centroid is, so that the section follows the sides of cells; its \
-                  force is the sum of their nodal forces of stress, weight and inertia, and balances loads and reactions of each part \
-                  exactly. Loads on nodes of the section act on the part behind it. A plane that cuts a body at several places gives \
-                  their sum",
-        parameters: vec![
-            Parameter::new("body", Kind::Handle(BodyHandle::NAME), "the body"),
-            Parameter::new("point", Kind::Vector, "a point of the plane in the undeformed body").of("length"),
-            Parameter::new("normal", Kind::Vector, "the normal of the plane, of any length").of("1"),
-        ],
-        returns: SectionHandle::NAME,
-        example: flight_example("sim.run_to(0.05);\nlet cut = sim.section_force(plate, [1.0, 0.5], [1.0, 0.0]);\nprint(cut);"),
-        see_also: &["reaction", "joint", "along", "field"],
-        body: body(|call| {
-            let handle = call.receiver::<SimulationHandle>();
+    method_of::<SimulationHandle>(Topic::Results, "section_force")
+        .summary(
+            "the cut force of a body across a plane of the undeformed body: the force of the cells in front of it, towards which the \
+             normal points, on the others. A cell is in front if its centroid is, so that the section follows the sides of cells; its \
+             force is the sum of their nodal forces of stress, weight and inertia, and balances loads and reactions of each part exactly. \
+             Loads on nodes of the section act on the part behind it. A plane that cuts a body at several places gives their sum",
+        )
+        .parameters(vec![
+            Parameter::object::<BodyHandle>("body", "the body"),
+            Parameter::vector("point", "a point of the plane in the undeformed body").of("length"),
+            Parameter::vector("normal", "the normal of the plane, of any length").of("1"),
+        ])
+        .returns(SectionHandle::NAME)
+        .see_also(&["reaction", "joint", "along", "field"])
+        .example(flight_example("sim.run_to(0.05);\nlet cut = sim.section_force(plate, [1.0, 0.5], [1.0, 0.0]);\nprint(cut);"))
+        .body(|call, handle| {
             let index = handle.body_index(call)?;
             let (definition, dimension) = (&handle.0.model.model.bodies[index], handle.0.model.model.dimension());
             let [point, normal] = ["point", "normal"].map(|name| call.argument(name));
             let (place, direction) = (point.vector(dimension)?, normal.vector(dimension)?);
             if definition.rigid.is_some() {
-                let failure = call
-                    .argument("body")
-                    .fail(format!("body \"{}\" is rigid: it has no stresses", definition.name))
-                    .code(causes::BODY_KIND);
+                let failure =
+                    call.argument("body").refuse(causes::BODY_KIND, format!("body \"{}\" is rigid: it has no stresses", definition.name));
                 return Err(failure
                     .hint("`sim.joint(name)`, `sim.contact(name)` and `sim.reaction(boundary)` have the forces on it")
                     .into());
             }
             if direction == [0.0; 3] {
                 return Err(normal
-                    .fail("the normal has no direction")
-                    .code(causes::NO_DIRECTION)
+                    .refuse(causes::NO_DIRECTION, "the normal has no direction")
                     .hint("write one such as `[1.0, 0.0]`")
                     .into());
             }
             let (section, time) = handle.with(call, |simulation| (simulation.section_force(index, place, direction), simulation.time()))?;
             let Some(section) = section else {
-                let failure = point.fail(format!("the plane does not part the cells of body \"{}\"", definition.name)).code(causes::EMPTY);
+                let failure = point.refuse(causes::EMPTY, format!("the plane does not part the cells of body \"{}\"", definition.name));
                 return Err(failure.hint("give a point within the undeformed body").into());
             };
             Ok(Dynamic::from(SectionHandle { body: definition.name.clone(), time, dimension, section, told: ScriptOutput::of(&handle) }))
-        }),
-    }
+        })
 }
 
 fn property(name: &'static str, returns: &'static str, summary: &'static str, read: fn(&SectionHandle) -> Dynamic) -> Function {
-    Function {
-        name,
-        form: Form::Property(SectionHandle::receiver()),
-        topic: Topic::Results,
-        summary,
-        parameters: Vec::new(),
-        returns,
-        example: flight_example(&format!("sim.run_to(0.05);\nprint(sim.section_force(plate, [1.0, 0.5], [1.0, 0.0]).{name});")),
-        see_also: &["section_force"],
-        body: body(move |call| Ok(read(&call.receiver::<SectionHandle>()))),
-    }
+    property_of::<SectionHandle>(Topic::Results, name)
+        .summary(summary)
+        .returns(returns)
+        .see_also(&["section_force"])
+        .example(flight_example(&format!("sim.run_to(0.05);\nprint(sim.section_force(plate, [1.0, 0.5], [1.0, 0.0]).{name});")))
+        .body(move |_, section| Ok(read(&section)))
 }

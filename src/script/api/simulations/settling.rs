@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use rhai::{Dynamic, Engine, EvalAltResult, ImmutableString, Map};
+use rhai::{Engine, EvalAltResult, ImmutableString};
 
 use super::handle::{SimulationHandle, busy, result_used};
 use super::recalling::go_on;
@@ -21,23 +21,22 @@ const TIME: &str = "an object map of options, or a number";
 
 /// `settle`: equilibrium now or at a later time.
 pub fn settle() -> Function {
-    Function {
-        name: "settle",
-        form: Form::Method(SimulationHandle::receiver()),
-        topic: Topic::Simulation,
-        summary: "brings the model to static equilibrium, now or as it will be at a later time, without inertia; gives a map with \
-                  `steps`, `newton_iterations`, `strain`, `active`",
-        parameters: vec![
+    method_of::<SimulationHandle>(Topic::Simulation, "settle")
+        .summary(
+            "brings the model to static equilibrium, now or as it will be at a later time, without inertia; gives a map with `steps`, \
+             `newton_iterations`, `strain`, `active`",
+        )
+        .parameters(vec![
             Parameter::new("time", Kind::Either(TIME), "the time of the equilibrium: loads, supports and obstacles are as then")
                 .of("time")
-                .or(Absent::Means("now; then the options may come first")),
-            Parameter::new("options", Kind::Options(vec![friction_parameter()]), "what acts").or(Absent::Means("everything acts")),
-        ],
-        returns: "Map",
-        example: flight_example("sim.settle();\nsim.settle(0.1);\nsim.settle(#{ friction: false });\nprint(sim.time);"),
-        see_also: &["run_to"],
-        body: body(|call| {
-            let (handle, argument) = (call.receiver::<SimulationHandle>(), call.argument("time"));
+                .otherwise("now; then the options may come first"),
+            Parameter::options("what acts").otherwise("everything acts").keys(vec![friction_parameter()]),
+        ])
+        .returns("Map")
+        .see_also(&["run_to"])
+        .example(flight_example("sim.settle();\nsim.settle(0.1);\nsim.settle(#{ friction: false });\nprint(sim.time);"))
+        .body(|call, handle| {
+            let argument = call.argument("time");
             let friction = friction_of(call)?;
             if !argument.is_given() || argument.value().is_map() || call.host.is_check() {
                 return handle.settle(call, None, friction);
@@ -45,18 +44,17 @@ pub fn settle() -> Function {
             let (end, now) = (argument.number()?, handle.with_row(call, |simulation| simulation.time())?);
             let now = handle.0.script_time(now);
             if end < now {
-                let failure = argument.fail(format!("`settle` goes forward, but {} has passed", number_text(end))).code(causes::TIME);
+                let failure = argument.refuse(causes::TIME, format!("`settle` goes forward, but {} has passed", number_text(end)));
                 let failure = failure.label(format!("the simulation is at t = {}", brief(now)));
                 return Err(failure.hint("keep a state with `sim.save()` and go back to it with `sim.restore(state)`").into());
             }
             handle.settle(call, Some(handle.0.kernel_time(end)), friction)
-        }),
-    }
+        })
 }
 
 /// Description of the option `friction` of `settle`.
 fn friction_parameter() -> Parameter {
-    Parameter::new("friction", Kind::Flag, "whether friction acts; without it surfaces slide freely").or(Absent::Flag(true))
+    Parameter::flag("friction", "whether friction acts; without it surfaces slide freely").or(true)
 }
 
 /// Returns the option `friction`; the options may be given in place of the time.
@@ -66,17 +64,16 @@ fn friction_of(call: &Call) -> Result<bool, Failure> {
     if call.argument("options").is_given() {
         return Err(call
             .argument("options")
-            .fail("`settle` takes options once")
-            .code(causes::OPTIONS_TOGETHER)
+            .refuse(causes::OPTIONS_TOGETHER, "`settle` takes options once")
             .hint("write `sim.settle(time, #{ friction: false })`"));
     }
     if let Some(unknown) = map.keys().find(|key| *key != "friction") {
-        let failure = first.fail(format!("`settle` has no option `{unknown}`")).code(causes::NO_SUCH).label("unknown option");
+        let failure = first.refuse(causes::NO_SUCH, format!("`settle` has no option `{unknown}`")).label("unknown option");
         return Err(failure.cause("its option is `friction`").hint("write `sim.settle(#{ friction: false })`"));
     }
     let given = map.get("friction").map(|value| value.as_bool());
     given.unwrap_or(Ok(true)).map_err(|_| {
-        let failure = first.fail("`friction` of `settle` must be `true` or `false`").code(causes::WRONG_TYPE);
+        let failure = first.refuse(causes::WRONG_TYPE, "`friction` of `settle` must be `true` or `false`");
         failure.hint("write `sim.settle(#{ friction: false })`")
     })
 }
@@ -122,7 +119,7 @@ impl SimulationHandle {
         if count < STANDSTILL {
             return Ok(());
         }
-        let failure = call.fail("`settle` does not move time").code(causes::TIME);
+        let failure = call.refuse(causes::TIME, "`settle` does not move time");
         let time = brief(self.0.script_time(now.time));
         let failure = failure.cause(format!("it was called {STANDSTILL} times at t = {time}, and nothing has changed"));
         Err(failure.hint("write `sim.settle(time)` for equilibrium at a later time, or `sim.run_to(time)` for motion"))
@@ -161,13 +158,12 @@ impl SimulationHandle {
             artifacts.settled(&mut simulation)?;
         }
         go_on(call.host)?;
-        let entries: [(&str, Dynamic); 4] = [
+        Ok(map_of([
             ("steps", (report.steps as i64).into()),
             ("newton_iterations", (report.newton_iterations as i64).into()),
             ("strain", report.strain.into()),
             ("active", (report.active as i64).into()),
-        ];
-        Ok(entries.into_iter().map(|(name, value)| (name.into(), value)).collect::<Map>().into())
+        ]))
     }
 }
 

@@ -4,8 +4,6 @@ use std::cell::{Cell, RefCell};
 use std::rc::Rc;
 use std::time::{Duration, Instant};
 
-use rhai::Dynamic;
-
 use super::artifacts::{Artifacts, Columns, FirstSteps, RecordingLimits};
 use super::columns::{Probe, probe_columns};
 use super::doubts::warn_of_numbers;
@@ -20,7 +18,6 @@ use crate::contact::Finding;
 use crate::dynamics::{LedgerRow, Model, Options, RedundantConstraints, Simulation};
 use crate::linear::SolverChoice;
 use crate::materials::Weakness;
-use crate::math::catalogue::Interval;
 use crate::math::tolerances::NEWTON_ENERGY;
 use crate::output::{History, RowStore};
 use crate::script::api::examples::FLIGHT;
@@ -46,78 +43,70 @@ pub fn functions() -> Vec<Function> {
 }
 
 fn simulate() -> Function {
-    Function {
-        name: "simulate",
-        form: Form::Function,
-        topic: Topic::Simulation,
-        summary: "a simulation of the model as it is now, at time 0; the first one of a script writes its files into the folder of the \
-            run, \
-                  each further one into a folder in it that has its name (the model's, with a number from the second on)",
-        parameters: vec![
-            Parameter::new("model", Kind::Handle(ModelHandle::NAME), "the model"),
-            Parameter::new(
-                "options",
-                Kind::Options(
-                    [
-                        vec![
-                            Parameter::new("integrator", Kind::Handle(IntegratorHandle::NAME), "the time integrator"),
-                            Parameter::new("dt", STEP_SIZE, "the step size").of("time").within(Interval::Positive),
-                            Parameter::number(
-                                "tolerance",
-                                "1",
-                                Interval::Open(0.0, 1.0),
-                                "Newton's tolerance: the energy of the residual, relative to the energy scale",
-                            )
-                            .or(Absent::Number(NEWTON_ENERGY)),
-                            Parameter::new(
-                                "solver",
-                                Kind::Choice(&["auto", "direct", "iterative", "mumps"]),
-                                "how linear systems are solved: by a factorization, by iteration (GMRES with algebraic multigrid), by a \
-                         factorization on several machines (MUMPS, which is installed apart), or by iteration from 100 000 unknowns on in \
-                         space; `conserva run --solver` replaces it",
-                            )
-                            .or(Absent::Text("auto")),
-                            Parameter::new(
-                                "ranks",
-                                Kind::Integer,
-                                "the number of processes of the solver `mumps` (more than 64 by `conserva run --ranks`); 0: those that \
-                         `mpirun` has started, or one",
-                            )
-                            .within(Interval::Closed(0.0, MOST_RANKS))
-                            .or(Absent::Integer(0)),
-                            Parameter::new("max_halvings", Kind::Integer, "how often a step that fails may be halved")
-                                .within(Interval::Closed(0.0, 50.0))
-                                .or(Absent::Integer(7)),
-                            Parameter::number(
-                                "fields_every",
-                                "time",
-                                Interval::Positive,
-                                "the time between two frames of the fields in `fields.pvd`",
-                            )
-                            .or(Absent::Means("the first and the last state only")),
-                        ],
-                        still_parameters().into(),
-                        vec![Parameter::new(
-                        "accept_overlap",
-                        Kind::Flag,
-                        "whether bodies that overlap at the start are meant to; without it, the first step refuses them unless `settle` \
-                         came before",
-                    )
-                    .or(Absent::Flag(false))],
-                    ]
-                    .concat(),
-                ),
-                "how it is integrated",
-            ),
-        ],
-        returns: SimulationHandle::NAME,
-        example: format!(
-            "{FLIGHT}let sim = simulate(flight, #{{ integrator: energy_momentum(), dt: 0.01, fields_every: 0.1 }});\nprint(sim);"
+    function(Topic::Simulation, "simulate")
+        .summary(
+            "a simulation of the model as it is now, at time 0; the first one of a script writes its files into the folder of the run, \
+             each further one into a folder in it that has its name (the model's, with a number from the second on)",
         )
-        .into(),
-        see_also: &["run_to", "step", "settle"],
-        body: body(|call| Ok(Dynamic::from(make(call)?))),
-    }
+        .parameters(vec![
+            Parameter::object::<ModelHandle>("model", "the model"),
+            Parameter::options("how it is integrated").keys(
+                [
+                    vec![
+                        Parameter::object::<IntegratorHandle>("integrator", "the time integrator"),
+                        Parameter::new("dt", STEP_SIZE, "the step size").of("time").within(Interval::Positive),
+                        Parameter::number(
+                            "tolerance",
+                            "1",
+                            Interval::Open(0.0, 1.0),
+                            "Newton's tolerance: the energy of the residual, relative to the energy scale",
+                        )
+                        .or(NEWTON_ENERGY),
+                        Parameter::new(
+                            "solver",
+                            Kind::Choice(&["auto", "direct", "iterative", "mumps"]),
+                            "how linear systems are solved: by a factorization, by iteration (GMRES with algebraic multigrid), by a \
+                             factorization on several machines (MUMPS, which is installed apart), or by iteration from 100 000 unknowns on \
+                             in space; `conserva run --solver` replaces it",
+                        )
+                        .or("auto"),
+                        Parameter::integer(
+                            "ranks",
+                            "the number of processes of the solver `mumps` (more than 64 by `conserva run --ranks`); 0: those \
+                         that `mpirun` has started, or one",
+                        )
+                        .within(Interval::Closed(0.0, MOST_RANKS))
+                        .or(0),
+                        Parameter::integer("max_halvings", "how often a step that fails may be halved")
+                            .within(Interval::Closed(0.0, 50.0))
+                            .or(7),
+                        Parameter::number(
+                            "fields_every",
+                            "time",
+                            Interval::Positive,
+                            "the time between two frames of the fields in `fields.pvd`",
+                        )
+                        .otherwise("the first and the last state only"),
+                    ],
+                    still_parameters().into(),
+                    vec![
+                        Parameter::flag(
+                            "accept_overlap",
+                            "whether bodies that overlap at the start are meant to; without it, the first step refuses them unless \
+                         `settle` came before",
+                        )
+                        .or(false),
+                    ],
+                ]
+                .concat(),
+            ),
+        ])
+        .returns(SimulationHandle::NAME)
+        .see_also(&["run_to", "step", "settle"])
+        .example(format!(
+            "{FLIGHT}let sim = simulate(flight, #{{ integrator: energy_momentum(), dt: 0.01, fields_every: 0.1 }});\nprint(sim);"
+        ))
+        .body(|call| Ok(Dynamic::from(make(call)?)))
 }
 
 fn make(call: &Call) -> Result<SimulationHandle, Failure> {

@@ -6,14 +6,11 @@ use std::rc::Rc;
 use std::sync::Arc;
 use std::time::Instant;
 
-use rhai::Dynamic;
-
 use super::handle::{SimulationHandle, busy};
 use super::recalling::go_on;
 use super::simulate::{InitialHistory, create, kernels};
 use super::step_control::{STEP_SIZE, StepSize};
 use crate::dynamics::State;
-use crate::math::catalogue::Interval;
 use crate::output::History;
 use crate::script::api::examples::flight_example;
 use crate::script::language::digits::brief;
@@ -43,13 +40,12 @@ impl StateHandle {
         match &self.simulation {
             Some(own) if Rc::ptr_eq(&own.0, &handle.0) => Ok(()),
             Some(_) => {
-                let failure = call.argument("state").fail("the state belongs to another simulation").code(causes::OTHER_OWNER);
-                let failure = failure.label(format!("this is a {}", self.describe()));
-                Err(failure.hint("restore it where it was saved"))
+                let failure = call.argument("state").refuse(causes::OTHER_OWNER, "the state belongs to another simulation");
+                Err(failure.label(format!("this is a {}", self.describe())).hint("restore it where it was saved"))
             }
             None if handle.0.simulation.try_borrow().map_err(|_| busy(call))?.fits(&self.state) => Ok(()),
             None => {
-                let failure = call.argument("state").fail("the state does not fit this simulation").code(causes::OTHER_OWNER);
+                let failure = call.argument("state").refuse(causes::OTHER_OWNER, "the state does not fit this simulation");
                 let failure = failure.cause("a model with other bodies, meshes, contacts or time integrator has saved it");
                 Err(failure.hint("restore it in a simulation of an equal model"))
             }
@@ -72,17 +68,12 @@ pub fn functions() -> Vec<Function> {
 }
 
 fn save() -> Function {
-    Function {
-        name: "save",
-        form: Form::Method(SimulationHandle::receiver()),
-        topic: Topic::Simulation,
-        summary: "the state of the simulation as a value, to go back to",
-        parameters: Vec::new(),
-        returns: StateHandle::NAME,
-        example: flight_example("let start = sim.save();\nsim.step(3);\nsim.restore(start);"),
-        see_also: &["restore", "back", "branch"],
-        body: body(|call| {
-            let handle = call.receiver::<SimulationHandle>();
+    method_of::<SimulationHandle>(Topic::Simulation, "save")
+        .summary("the state of the simulation as a value, to go back to")
+        .returns(StateHandle::NAME)
+        .see_also(&["restore", "back", "branch"])
+        .example(flight_example("let start = sim.save();\nsim.step(3);\nsim.restore(start);"))
+        .body(|call, handle| {
             handle.looked()?;
             let state = match handle.0.simulation.try_borrow() {
                 Ok(simulation) => simulation.shared_state(),
@@ -90,47 +81,37 @@ fn save() -> Function {
             };
             let history = handle.0.history.borrow().clone();
             Ok(Dynamic::from(StateHandle::of(handle, state, history)))
-        }),
-    }
+        })
 }
 
 fn restore() -> Function {
-    Function {
-        name: "restore",
-        form: Form::Method(SimulationHandle::receiver()),
-        topic: Topic::Simulation,
-        summary: "goes back to a saved state; the history is what it was then",
-        parameters: vec![Parameter::new("state", Kind::Handle(StateHandle::NAME), "a state of this simulation")],
-        returns: "",
-        example: flight_example("let start = sim.save();\nsim.step(3);\nsim.restore(start);"),
-        see_also: &["save", "back"],
-        body: body(|call| {
-            let (handle, state) = (call.receiver::<SimulationHandle>(), call.handle::<StateHandle>("state")?);
+    method_of::<SimulationHandle>(Topic::Simulation, "restore")
+        .summary("goes back to a saved state; the history is what it was then")
+        .parameters(vec![Parameter::object::<StateHandle>("state", "a state of this simulation")])
+        .see_also(&["save", "back"])
+        .example(flight_example("let start = sim.save();\nsim.step(3);\nsim.restore(start);"))
+        .body(|call, handle| {
+            let state = call.handle::<StateHandle>("state")?;
             state.refuse_for(call, &handle)?;
             handle.go_to(call, &state.state, state.history)?;
             Ok(Dynamic::UNIT)
-        }),
-    }
+        })
 }
 
 fn back() -> Function {
-    Function {
-        name: "back",
-        form: Form::Method(SimulationHandle::receiver()),
-        topic: Topic::Simulation,
-        summary: "goes back by one step, or by so many; the history is what it was then",
-        parameters: vec![Parameter::new("count", Kind::Integer, "how many steps").within(Interval::NonNegative).or(Absent::Integer(1))],
-        returns: "",
-        example: flight_example("sim.step(3);\nsim.back(2);\nprint(sim.steps);"),
-        see_also: &["save", "restore", "step"],
-        body: body(|call| {
-            let (handle, count) = (call.receiver::<SimulationHandle>(), call.integer("count")? as usize);
+    method_of::<SimulationHandle>(Topic::Simulation, "back")
+        .summary("goes back by one step, or by so many; the history is what it was then")
+        .parameters(vec![Parameter::integer("count", "how many steps").within(Interval::NonNegative).or(1)])
+        .see_also(&["save", "restore", "step"])
+        .example(flight_example("sim.step(3);\nsim.back(2);\nprint(sim.steps);"))
+        .body(|call, handle| {
+            let count = call.integer("count")? as usize;
             if call.host.is_check() || count == 0 {
                 return Ok(Dynamic::UNIT);
             }
             let kept = handle.0.past.borrow().len();
             if count > kept {
-                let failure = call.argument("count").fail(format!("the simulation cannot go back by {count} steps")).code(causes::TIME);
+                let failure = call.argument("count").refuse(causes::TIME, format!("the simulation cannot go back by {count} steps"));
                 let failure = failure.label(format!("{kept} are kept"));
                 let failure = failure.cause("states are kept for the last steps since the simulation was made, settled or restored");
                 return Err(failure.hint("keep a state with `sim.save()` and go back to it with `sim.restore(state)`").into());
@@ -140,22 +121,16 @@ fn back() -> Function {
             let history = handle.0.history.borrow().first(rows);
             handle.go_to(call, &state, history)?;
             Ok(Dynamic::UNIT)
-        }),
-    }
+        })
 }
 
 fn branch() -> Function {
-    Function {
-        name: "branch",
-        form: Form::Method(SimulationHandle::receiver()),
-        topic: Topic::Simulation,
-        summary: "an independent copy of the simulation as it is now, with its history; closures of `on_step` stay with the original",
-        parameters: Vec::new(),
-        returns: SimulationHandle::NAME,
-        example: flight_example("sim.step(2);\nlet other = sim.branch();\nother.set(#{ dt: 0.005 });\nother.step(2);\nprint(sim.time);"),
-        see_also: &["save", "set"],
-        body: body(|call| {
-            let handle = call.receiver::<SimulationHandle>();
+    method_of::<SimulationHandle>(Topic::Simulation, "branch")
+        .summary("an independent copy of the simulation as it is now, with its history; closures of `on_step` stay with the original")
+        .returns(SimulationHandle::NAME)
+        .see_also(&["save", "set"])
+        .example(flight_example("sim.step(2);\nlet other = sim.branch();\nother.set(#{ dt: 0.005 });\nother.step(2);\nprint(sim.time);"))
+        .body(|call, handle| {
             let begun = Instant::now();
             handle.looked()?;
             let (state, options) = match handle.0.simulation.try_borrow() {
@@ -177,33 +152,24 @@ fn branch() -> Function {
             }
             *branch.0.closed_since.borrow_mut() = handle.0.closed_since.borrow().clone();
             Ok(Dynamic::from(branch))
-        }),
-    }
+        })
 }
 
 fn set() -> Function {
-    Function {
-        name: "set",
-        form: Form::Method(SimulationHandle::receiver()),
-        topic: Topic::Simulation,
-        summary: "changes how the next steps are taken; what is left out stays as it is",
-        parameters: vec![Parameter::new(
-            "options",
-            Kind::Options(vec![
-                Parameter::new("dt", STEP_SIZE, "the step size").of("time").within(Interval::Positive).or(Absent::Means("as before")),
-                Parameter::number("tolerance", "1", Interval::Open(0.0, 1.0), "Newton's tolerance, see `simulate`")
-                    .or(Absent::Means("as before")),
-                Parameter::new("max_halvings", Kind::Integer, "how often a step that fails may be halved")
-                    .within(Interval::Closed(0.0, 50.0))
-                    .or(Absent::Means("as before")),
-            ]),
-            "what changes",
-        )],
-        returns: "",
-        example: flight_example("sim.step(2);\nsim.set(#{ dt: 0.002 });\nsim.step();\nprint(sim.time);"),
-        see_also: &["simulate", "branch"],
-        body: body(|call| {
-            let (handle, options) = (call.receiver::<SimulationHandle>(), call.options("options")?);
+    method_of::<SimulationHandle>(Topic::Simulation, "set")
+        .summary("changes how the next steps are taken; what is left out stays as it is")
+        .parameters(vec![Parameter::options("what changes")])
+        .keys(vec![
+            Parameter::new("dt", STEP_SIZE, "the step size").of("time").within(Interval::Positive).otherwise("as before"),
+            Parameter::number("tolerance", "1", Interval::Open(0.0, 1.0), "Newton's tolerance, see `simulate`").otherwise("as before"),
+            Parameter::integer("max_halvings", "how often a step that fails may be halved")
+                .within(Interval::Closed(0.0, 50.0))
+                .otherwise("as before"),
+        ])
+        .see_also(&["simulate", "branch"])
+        .example(flight_example("sim.step(2);\nsim.set(#{ dt: 0.002 });\nsim.step();\nprint(sim.time);"))
+        .body(|call, handle| {
+            let options = call.options("options")?;
             let (dt, tolerance, halvings) =
                 (options.argument("dt"), options.optional_number("tolerance")?, options.argument("max_halvings"));
             let size = if dt.is_given() { Some(StepSize::of(&dt)?) } else { None };
@@ -217,28 +183,19 @@ fn set() -> Function {
             simulation.set_steps(now.dt, tolerance.unwrap_or(now.tolerance), halvings.unwrap_or(now.max_halvings));
             call.host.count_effect();
             Ok(Dynamic::UNIT)
-        }),
-    }
+        })
 }
 
 fn dt() -> Function {
-    Function {
-        name: "dt",
-        form: Form::Property(SimulationHandle::receiver()),
-        topic: Topic::Simulation,
-        summary: "the size of the next step, should nothing come first",
-        parameters: Vec::new(),
-        returns: "number",
-        example: flight_example("print(sim.dt);"),
-        see_also: &["set"],
-        body: body(|call| {
-            let handle = call.receiver::<SimulationHandle>();
-            match handle.0.simulation.try_borrow() {
-                Ok(simulation) => Ok(handle.0.script_time(simulation.next_step()).into()),
-                Err(_) => Err(busy(call).into()),
-            }
-        }),
-    }
+    property_of::<SimulationHandle>(Topic::Simulation, "dt")
+        .summary("the size of the next step, should nothing come first")
+        .returns("number")
+        .see_also(&["set"])
+        .example(flight_example("print(sim.dt);"))
+        .body(|call, handle| match handle.0.simulation.try_borrow() {
+            Ok(simulation) => Ok(handle.0.script_time(simulation.next_step()).into()),
+            Err(_) => Err(busy(call).into()),
+        })
 }
 
 impl SimulationHandle {

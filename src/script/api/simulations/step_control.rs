@@ -1,9 +1,6 @@
 //! `auto`: adaptive time step size.
 
-use rhai::Dynamic;
-
 use crate::dynamics::{Options, StepControl};
-use crate::math::catalogue::Interval;
 use crate::math::tolerances::STEP_ERROR;
 use crate::script::api::examples::FLIGHT;
 use crate::script::language::digits::{brief, number_text};
@@ -90,65 +87,43 @@ pub fn step_size(options: &Options, told: impl Fn(String) -> String) -> String {
 
 /// Function `auto` of scripts.
 pub fn auto() -> Function {
-    Function {
-        name: "auto",
-        form: Form::Function,
-        topic: Topic::Simulation,
-        summary: "steps that choose their size, for `dt` of `simulate`: the error of the positions grows by no more than `tolerance` times \
-                  the path length of the bodies, as far as it can be estimated (`docs/integrators.md`); steps end where a time function \
-                  has a \
-                  kink, where frames of the fields are written and where `run_to` stops",
-        parameters: vec![
-            Parameter::new(
-                "options",
-                Kind::Options(vec![
-                    Parameter::number(
-                        "tolerance",
-                        "1",
-                        Interval::Open(0.0, 1.0),
-                        "the growth of the error relative to the path length of the fastest body, both as root mean squares over the mass \
+    function(Topic::Simulation, "auto")
+        .summary(
+            "steps that choose their size, for `dt` of `simulate`: the error of the positions grows by no more than `tolerance` times the \
+             path length of the bodies, as far as it can be estimated (`docs/integrators.md`); steps end where a time function has a kink, \
+             where frames of the fields are written and where `run_to` stops",
+        )
+        .parameters(vec![Parameter::options("how accurate steps are, and how long they may be").otherwise("the defaults")])
+        .keys(vec![
+            Parameter::number(
+                "tolerance",
+                "1",
+                Interval::Open(0.0, 1.0),
+                "the growth of the error relative to the path length of the fastest body, both as root mean squares over the mass \
                          of a body",
-                    )
-                    .or(Absent::Number(STEP_ERROR)),
-                    Parameter::number("first", "time", Interval::Positive, "the size of the first step")
-                        .or(Absent::Means("the root of `tolerance` times the time that sound takes across the smallest cells")),
-                    Parameter::number(
-                        "smallest",
-                        "time",
-                        Interval::Positive,
-                        "the smallest size; at this size steps with larger errors \
-                    are accepted",
-                    )
-                    .or(Absent::Means("a millionth of the first step")),
-                    Parameter::number(
-                        "largest",
-                        "time",
-                        Interval::Positive,
-                        "the largest size: a fraction of the shortest event to be \
-                    resolved",
-                    )
-                    .or(Absent::Means("no bound")),
-                    Parameter::number(
-                        "plastic_strain",
-                        "1",
-                        Interval::Positive,
-                        "the largest plastic strain of a step at any point of a body",
-                    )
-                    .or(Absent::Means("no bound")),
-                ]),
-                "how accurate steps are, and how long they may be",
             )
-            .or(Absent::Means("the defaults")),
-        ],
-        returns: StepControlHandle::NAME,
-        example: format!(
+            .or(STEP_ERROR),
+            Parameter::number("first", "time", Interval::Positive, "the size of the first step")
+                .otherwise("the root of `tolerance` times the time that sound takes across the smallest cells"),
+            Parameter::number(
+                "smallest",
+                "time",
+                Interval::Positive,
+                "the smallest size; at this size steps with larger errors are accepted",
+            )
+            .otherwise("a millionth of the first step"),
+            Parameter::number("largest", "time", Interval::Positive, "the largest size: a fraction of the shortest event to be resolved")
+                .otherwise("no bound"),
+            Parameter::number("plastic_strain", "1", Interval::Positive, "the largest plastic strain of a step at any point of a body")
+                .otherwise("no bound"),
+        ])
+        .returns(StepControlHandle::NAME)
+        .see_also(&["simulate", "run_to"])
+        .example(format!(
             "{FLIGHT}let sim = simulate(flight, #{{ integrator: energy_momentum(), dt: auto(#{{ tolerance: 1e-4 }}) }});\n\
              sim.run_to(0.1);\nprint(sim.history.dt);"
-        )
-        .into(),
-        see_also: &["simulate", "run_to"],
-        body: body(|call| Ok(Dynamic::from(make(call)?))),
-    }
+        ))
+        .body(|call| Ok(Dynamic::from(make(call)?)))
 }
 
 fn make(call: &Call) -> Result<StepControlHandle, Failure> {
@@ -165,7 +140,7 @@ fn make(call: &Call) -> Result<StepControlHandle, Failure> {
     for pair in given.windows(2) {
         let [(less, a), (more, b)] = [pair[0], pair[1]];
         if a > b {
-            let failure = options.argument(less).fail(format!("`{less}` of `auto` must not be greater than `{more}`")).code(causes::ORDER);
+            let failure = options.argument(less).refuse(causes::ORDER, format!("`{less}` of `auto` must not be greater than `{more}`"));
             return Err(failure.label(format!("this is {}, and `{more}` is {}", number_text(a), number_text(b))));
         }
     }

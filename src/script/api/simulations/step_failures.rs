@@ -6,8 +6,8 @@ use crate::math::norms::largest_extent;
 use crate::script::api::remedies::ScriptWords;
 use crate::script::api::time_functions::ClosureError;
 use crate::script::language::digits::{brief, vector_text};
-use crate::script::language::failure::{Class, Failure, interrupted};
-use crate::script::language::function::Call;
+use crate::script::language::failure::{Class, interrupted};
+use crate::script::language::prelude::*;
 
 /// Ratio of stress to Young's modulus above which a load crushes a body, whatever its law.
 const CRUSHES: f64 = 0.5;

@@ -4,7 +4,7 @@
 
 use std::time::Instant;
 
-use rhai::{Dynamic, EvalAltResult};
+use rhai::EvalAltResult;
 
 use super::artifacts::Artifacts;
 use super::following;
@@ -12,7 +12,6 @@ use super::handle::{PastState, SimulationHandle, busy};
 use super::journal::Journal;
 use super::recalling::go_on;
 use crate::dynamics::{LedgerRow, Overlap, OverlapKind, StepError};
-use crate::math::catalogue::Interval;
 use crate::math::tolerances::SAME_MOMENT;
 use crate::output::journal::{Computation, Outcome};
 use crate::script::api::examples::flight_example;
@@ -25,69 +24,55 @@ use crate::script::language::prelude::*;
 
 /// `step`: a number of steps.
 pub fn step() -> Function {
-    Function {
-        name: "step",
-        form: Form::Method(SimulationHandle::receiver()),
-        topic: Topic::Simulation,
-        summary: "takes one step of `dt`, or so many; where a step must be halved, each piece is a row of the history and counts in \
-            `steps`",
-        parameters: vec![Parameter::new("count", Kind::Integer, "how many steps").within(Interval::NonNegative).or(Absent::Integer(1))],
-        returns: "",
-        example: flight_example("sim.step();"),
-        see_also: &["run_to"],
-        body: body(|call| {
+    method_of::<SimulationHandle>(Topic::Simulation, "step")
+        .summary(
+            "takes one step of `dt`, or so many; where a step must be halved, each piece is a row of the history and counts in `steps`",
+        )
+        .parameters(vec![Parameter::integer("count", "how many steps").within(Interval::NonNegative).or(1)])
+        .see_also(&["run_to"])
+        .example(flight_example("sim.step();"))
+        .body(|call, simulation| {
             let count = call.integer("count")?;
-            call.receiver::<SimulationHandle>().advance(call, None, count as usize)?;
+            simulation.advance(call, None, count as usize)?;
             Ok(Dynamic::UNIT)
-        }),
-    }
+        })
 }
 
 /// `run_to`: steps until a time.
 pub fn run_to() -> Function {
-    Function {
-        name: "run_to",
-        form: Form::Method(SimulationHandle::receiver()),
-        topic: Topic::Simulation,
-        summary: "takes steps until a time, which is met exactly",
-        parameters: vec![Parameter::number("time", "time", Interval::Finite, "the time at which it stops")],
-        returns: "",
-        example: flight_example("sim.run_to(0.05);"),
-        see_also: &["step", "on_step"],
-        body: body(|call| {
-            let (handle, end) = (call.receiver::<SimulationHandle>(), call.number("time")?);
+    method_of::<SimulationHandle>(Topic::Simulation, "run_to")
+        .summary("takes steps until a time, which is met exactly")
+        .parameters(vec![Parameter::number("time", "time", Interval::Finite, "the time at which it stops")])
+        .see_also(&["step", "on_step"])
+        .example(flight_example("sim.run_to(0.05);"))
+        .body(|call, handle| {
+            let end = call.number("time")?;
             let end = handle.0.kernel_time(end);
             let now = handle.0.simulation.try_borrow().map_err(|_| busy(call))?.time();
             if end < now {
                 let failure =
-                    call.argument("time").fail(format!("`run_to` goes forward, but {} has passed", number_text(end))).code(causes::TIME);
+                    call.argument("time").refuse(causes::TIME, format!("`run_to` goes forward, but {} has passed", number_text(end)));
                 let failure = failure.label(format!("the simulation is at t = {}", brief(now)));
                 return Err(failure.hint("keep a state with `sim.save()` and go back to it with `sim.restore(state)`").into());
             }
             handle.advance(call, Some(end), usize::MAX)?;
             Ok(Dynamic::UNIT)
-        }),
-    }
+        })
 }
 
 /// `on_step`: a closure after every step.
 pub fn on_step() -> Function {
-    Function {
-        name: "on_step",
-        form: Form::Method(SimulationHandle::receiver()),
-        topic: Topic::Simulation,
-        summary: "calls a closure with the simulation after every step from now on",
-        parameters: vec![Parameter::new("action", Kind::Closure("|sim|"), "what is done after a step")],
-        returns: "",
-        example: flight_example("sim.on_step(|s| if s.time > 0.03 { print(s.energy.total) });\nsim.run_to(0.04);"),
-        see_also: &["run_to", "history"],
-        body: body(|call| {
+    method_of::<SimulationHandle>(Topic::Simulation, "on_step")
+        .summary("calls a closure with the simulation after every step from now on")
+        .parameters(vec![Parameter::new("action", Kind::Closure("|sim|"), "what is done after a step")])
+        .see_also(&["run_to", "history"])
+        .example(flight_example("sim.on_step(|s| if s.time > 0.03 { print(s.energy.total) });\nsim.run_to(0.04);"))
+        .body(|call, simulation| {
             let callback = call.callback("action")?;
             call.host.count_effect();
-            call.receiver::<SimulationHandle>().0.callbacks.borrow_mut().push(callback);
+            simulation.0.callbacks.borrow_mut().push(callback);
             Ok(Dynamic::UNIT)
-        }),
-    }
+        })
 }
 
 impl SimulationHandle {

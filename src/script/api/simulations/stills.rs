@@ -1,46 +1,35 @@
 //! Options for the content of stills: recorded states of a run (animation frames), for movies and the report.
 
-use rhai::Dynamic;
-
 use super::local_frames::{Geometry, frame_of, frame_parameters};
 use crate::dynamics::Model;
-use crate::math::catalogue::Interval;
 use crate::output::{Field, StillOptions};
-use crate::script::language::arguments::{Arguments, Options};
-use crate::script::language::failure::Failure;
-use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::prelude::*;
 
 /// Keys of the options.
 pub(super) fn still_parameters() -> [Parameter; 4] {
     [
-        Parameter::new(
+        Parameter::integer(
             "stills",
-            Kind::Integer,
             "how many pictures of the run are kept for movies and the animation of `report.html`; whenever there are more, every second \
              one is dropped",
         )
         .within(Interval::Closed(2.0, 5000.0))
-        .or(Absent::Means("160, and fewer of large models")),
-        Parameter::new(
+        .otherwise("160, and fewer of large models"),
+        Parameter::flag(
             "stills_inside",
-            Kind::Flag,
             "whether these pictures have the inside of bodies in space, for movies with a `section` and for the colors of cuts in \
              `report.html`",
         )
-        .or(Absent::Flag(false)),
-        Parameter::new(
+        .or(false),
+        Parameter::array(
             "stills_fields",
-            Kind::Array,
             "names of further fields for movies and the colors of `report.html`, of those that `picture` takes, such as \
              `[\"energy_density\", \"acceleration\", \"strain_xx\"]` (all strains) or `[\"stress_tt\"]`",
         )
-        .or(Absent::Means("stress, displacement, velocity and contact pressure")),
-        Parameter::new(
-            "stills_frame",
-            Kind::Options(frame_parameters().into()),
-            "the axis and direction of `stress_tt`, `strain_along` and the like in `report.html`",
-        )
-        .or(Absent::Means("about the third axis through the origin")),
+        .otherwise("stress, displacement, velocity and contact pressure"),
+        Parameter::map("stills_frame", "the axis and direction of `stress_tt`, `strain_along` and the like in `report.html`")
+            .otherwise("about the third axis through the origin")
+            .keys(frame_parameters().into()),
     ]
 }
 

@@ -10,23 +10,20 @@ use crate::script::language::prelude::*;
 
 /// `table`: selected columns of the present history.
 pub fn table() -> Function {
-    Function {
-        name: "table",
-        form: Form::Method(SimulationHandle::receiver()),
-        topic: Topic::Results,
-        summary: "writes columns of the history so far as a table, as CSV or Parquet as the ending says; a value that does not exist, such \
-                  as a force before the first step, is an empty field or a null",
-        parameters: vec![
+    method_of::<SimulationHandle>(Topic::Results, "table")
+        .summary(
+            "writes columns of the history so far as a table, as CSV or Parquet as the ending says; a value that does not exist, such as a \
+             force before the first step, is an empty field or a null",
+        )
+        .parameters(vec![
             path_parameter("a `.csv` or `.parquet` file below the output folder"),
-            Parameter::new("columns", Kind::Any, "the name of a column, or an array of names").or(Absent::Means("all columns")),
-        ],
-        returns: "",
-        example: flight_example(
+            Parameter::any("columns", "the name of a column, or an array of names").otherwise("all columns"),
+        ])
+        .see_also(&["history", "plot", "probe"])
+        .example(flight_example(
             "sim.run_to(0.05);\nsim.table(\"energies.csv\", [\"time\", \"kinetic\", \"strain\"]);\nsim.table(\"all.parquet\");",
-        ),
-        see_also: &["history", "plot", "probe"],
-        body: body(|call| {
-            let handle = call.receiver::<SimulationHandle>();
+        ))
+        .body(|call, handle| {
             let table = columns(call, &handle)?;
             let is_parquet = call.text("path")?.ends_with(".parquet");
             let content = || match is_parquet {
@@ -35,8 +32,7 @@ pub fn table() -> Function {
                 false => Ok(table.to_csv()),
             };
             Ok(write(call, Some(&handle), &[".csv", ".parquet"], content)?)
-        }),
-    }
+        })
 }
 
 /// Columns named in the call, each once.
@@ -45,7 +41,7 @@ fn columns(call: &Call, handle: &SimulationHandle) -> Result<Table, Failure> {
     let chosen = if argument.is_given() { chosen_columns(call, handle)? } else { handle.all_columns() };
     for (index, (name, _)) in chosen.iter().enumerate() {
         if chosen[..index].iter().any(|(other, _)| other == name) {
-            let failure = argument.fail(format!("the column `{name}` is named twice")).code(causes::NAME_TAKEN);
+            let failure = argument.refuse(causes::NAME_TAKEN, format!("the column `{name}` is named twice"));
             return Err(failure.hint("a table has each column once"));
         }
     }

@@ -1,7 +1,5 @@
 //! Common parts of results of a simulation: its folder, files that show the run so far, columns by name.
 
-use rhai::{Array, Dynamic};
-
 use super::handle::SimulationHandle;
 use super::history::unknown_column;
 use crate::output::OutputError;
@@ -54,7 +52,7 @@ pub fn chosen_columns(call: &Call, handle: &SimulationHandle) -> Result<Vec<(Str
         None => value.clone().into_string().ok().map(|name| vec![name]),
     };
     let Some(names) = names.filter(|names| !names.is_empty()) else {
-        let failure = argument.fail(format!("{} must be a column's name or an array of names", argument.title())).code(causes::WRONG_TYPE);
+        let failure = argument.wrong(causes::WRONG_TYPE, "must be a column's name or an array of names");
         let given = describe(call.engine(), &value);
         return Err(failure.label(format!("this is {given}")).hint("write `[\"kinetic\", \"total\"]`"));
     };

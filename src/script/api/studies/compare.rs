@@ -2,9 +2,8 @@
 //!
 //! A curve is measured, computed by a simulation, or made by the script, and is linear between its points (`math/curves.rs`).
 
-use rhai::{Array, Dynamic, EvalAltResult, Map};
+use rhai::EvalAltResult;
 
-use crate::math::catalogue::Interval;
 use crate::math::curves::{Distance, distance, overlap};
 use crate::output::is_count;
 use crate::script::api::simulations::handle::SimulationHandle;
@@ -22,39 +21,33 @@ const KEYS: [&str; 3] = ["of", "x", "y"];
 
 /// Function `compare` of scripts.
 pub fn compare() -> Function {
-    let end = |name, summary| Parameter::number(name, "any", Interval::Finite, summary).or(Absent::Means("where both are known"));
-    Function {
-        name: "compare",
-        form: Form::Function,
-        topic: Topic::Studies,
-        summary: "the distance of two curves in their common range, linear between their points: a map with the largest difference `max` \
-                  (its size, in the unit of y) and where it is, `at` (in that of x); `mean`, `mean_square` and `rms` of the difference \
-                  over the range; `relative`, which is `rms` over that of the first curve; the range, `from` and `to`. Of two \
-                  simulations all columns of their histories are compared over time: a map of such maps by their names",
-        parameters: vec![
+    let end = |name, summary| Parameter::number(name, "any", Interval::Finite, summary).otherwise("where both are known");
+    function(Topic::Studies, "compare")
+        .summary(
+            "the distance of two curves in their common range, linear between their points: a map with the largest difference `max` (its \
+             size, in the unit of y) and where it is, `at` (in that of x); `mean`, `mean_square` and `rms` of the difference over the \
+             range; `relative`, which is `rms` over that of the first curve; the range, `from` and `to`. Of two simulations all columns of \
+             their histories are compared over time: a map of such maps by their names",
+        )
+        .parameters(vec![
             Parameter::new("first", Kind::Either(CURVE), "the first curve, or a simulation; what is measured or exact"),
             Parameter::new("second", Kind::Either(CURVE), "the second curve, or a simulation"),
-            Parameter::new(
-                "options",
-                Kind::Options(vec![
-                    end("from", "where the comparison begins"),
-                    end("to", "where it ends"),
-                    Parameter::new("columns", Kind::Array, "names of the columns of two simulations")
-                        .or(Absent::Means("all that both have, but for counts")),
-                ]),
-                "what is compared",
-            )
-            .or(Absent::Means("everything that both have")),
-        ],
-        returns: "Map",
-        example: "let measured = [[0.0, 0.0], [0.5, 0.26], [1.0, 1.0]];\n\
+            Parameter::options("what is compared").otherwise("everything that both have"),
+        ])
+        .keys(vec![
+            end("from", "where the comparison begins"),
+            end("to", "where it ends"),
+            Parameter::array("columns", "names of the columns of two simulations").otherwise("all that both have, but for counts"),
+        ])
+        .returns("Map")
+        .see_also(&["minimize", "read_csv", "plot_curves", "history"])
+        .example(
+            "let measured = [[0.0, 0.0], [0.5, 0.26], [1.0, 1.0]];\n\
                   let t = linspace(0.0, 1.0, 101);\n\
                   let found = compare(measured, #{ x: t, y: t.map(|t| t * t) });\n\
-                  print(`${found.rms} rms, ${found.max} at ${found.at}`);"
-            .into(),
-        see_also: &["minimize", "read_csv", "plot_curves", "history"],
-        body: body(run_compare),
-    }
+                  print(`${found.rms} rms, ${found.max} at ${found.at}`);",
+        )
+        .body(run_compare)
 }
 
 fn run_compare(call: &Call) -> Result<Dynamic, Box<EvalAltResult>> {
@@ -73,13 +66,12 @@ fn run_compare(call: &Call) -> Result<Dynamic, Box<EvalAltResult>> {
             Ok(found.into())
         }
         _ if chosen.is_given() => {
-            let failure = chosen.fail("`columns` of `compare` are those of two simulations").code(causes::OTHER_OWNER);
+            let failure = chosen.refuse(causes::OTHER_OWNER, "`columns` of `compare` are those of two simulations");
             Err(failure.hint("write `#{ of: sim, y: \"total\" }` for one column").into())
         }
         (a, b) => {
             if let Some(argument) = [(a, first), (b, second)].into_iter().find_map(|(handle, argument)| handle.map(|_| argument)) {
-                let failure =
-                    argument.fail("a simulation is compared with another one").code(causes::OTHER_OWNER).label("only this is one");
+                let failure = argument.refuse(causes::OTHER_OWNER, "a simulation is compared with another one").label("only this is one");
                 return Err(failure.hint("write `#{ of: sim, y: \"total\" }` for one of its columns").into());
             }
             let (first, second) = (call.argument("first"), call.argument("second"));
@@ -107,7 +99,7 @@ fn described(found: Distance) -> Map {
 /// Distance of two curves in their common range, limited by the options.
 fn between(options: &Options, a: &[[f64; 2]], b: &[[f64; 2]]) -> Result<Distance, Failure> {
     let range = |curve: &[[f64; 2]]| format!("from {} to {}", brief(curve[0][0]), brief(curve[curve.len() - 1][0]));
-    let call = options.argument("from").call().fail("the curves have no range in common").code(causes::EMPTY);
+    let call = options.argument("from").call().refuse(causes::EMPTY, "the curves have no range in common");
     let apart = || call.clone().cause(format!("the first one goes {}", range(a))).cause(format!("the second one goes {}", range(b)));
     let Some([mut first, mut last]) = overlap(a, b) else { return Err(apart().hint("check that both have the same unit")) };
     if let Some(from) = options.optional_number("from")? {
@@ -153,26 +145,24 @@ fn curve(argument: &Argument) -> Result<Vec<[f64; 2]>, Failure> {
     let value = argument.value();
     if let Some(map) = value.read_lock::<Map>() {
         if let Some(unknown) = map.keys().find(|key| !KEYS.contains(&key.as_str())) {
-            let failure = argument
-                .fail(format!("a curve has no `{unknown}`"))
-                .code(causes::NO_SUCH)
-                .cause(format!("it has {}", listed(&KEYS, "and")));
+            let failure =
+                argument.refuse(causes::NO_SUCH, format!("a curve has no `{unknown}`")).cause(format!("it has {}", listed(&KEYS, "and")));
             return Err(failure.hint("choose the columns: `#{ x: table.time, y: table.force }`"));
         }
         let text = |name: &str| map.get(name).and_then(|value| value.clone().into_string().ok());
         if let Some(handle) = map.get("of").and_then(|value| value.clone().try_cast::<SimulationHandle>()) {
             let y = text("y").ok_or_else(|| {
-                argument.fail("a curve of a simulation needs the name of a column").code(causes::WRONG_TYPE).hint("write `y: \"total\"`")
+                argument.refuse(causes::WRONG_TYPE, "a curve of a simulation needs the name of a column").hint("write `y: \"total\"`")
             })?;
             return column(argument, &handle, &text("x").unwrap_or_else(|| "time".into()), &y);
         }
         let numbers = |name: &str| map.get(name)?.read_lock::<Array>()?.iter().map(as_number).collect::<Option<Vec<f64>>>();
         let (Some(x), Some(y)) = (numbers("x"), numbers("y")) else {
-            let failure = argument.fail("a curve that is a map has arrays of numbers `x` and `y`").code(causes::WRONG_TYPE);
+            let failure = argument.refuse(causes::WRONG_TYPE, "a curve that is a map has arrays of numbers `x` and `y`");
             return Err(failure.hint("write `#{ x: [0.0, 1.0], y: [2.0, 3.0] }`"));
         };
         if x.len() != y.len() {
-            let failure = argument.fail("`x` and `y` of a curve must have the same length").code(causes::COUNT);
+            let failure = argument.refuse(causes::COUNT, "`x` and `y` of a curve must have the same length");
             return Err(failure.cause(format!("`x` has {} numbers, `y` has {}", x.len(), y.len())).hint("give one `y` for each `x`"));
         }
         return rising(argument, x.into_iter().zip(y).map(|(x, y)| [x, y]).collect());
@@ -183,7 +173,7 @@ fn curve(argument: &Argument) -> Result<Vec<[f64; 2]>, Failure> {
     match value.read_lock::<Array>().and_then(|array| array.iter().map(pair).collect::<Option<Vec<_>>>()) {
         Some(points) => rising(argument, points),
         None => {
-            let failure = argument.fail(format!("{} must be {CURVE}", argument.title())).code(causes::WRONG_TYPE);
+            let failure = argument.wrong(causes::WRONG_TYPE, format!("must be {CURVE}"));
             let given = describe(argument.call().engine(), &value);
             Err(failure.label(format!("this is {given}")).hint("write `[[0.0, 1.0], [0.5, 1.2]]`"))
         }
@@ -200,7 +190,7 @@ fn rising(argument: &Argument, points: Vec<[f64; 2]>) -> Result<Vec<[f64; 2]>, F
         match curve.last_mut() {
             Some(last) if last[0] == x => last[1] = y,
             Some(last) if last[0] > x => {
-                let failure = argument.fail("the places `x` of a curve must increase").code(causes::ORDER);
+                let failure = argument.refuse(causes::ORDER, "the places `x` of a curve must increase");
                 let failure = failure.cause(format!("after {} comes {}", brief(last[0]), brief(x)));
                 return Err(failure.hint("sort the points: `points.sort(|a, b| if a[0] < b[0] { -1 } else { 1 })`"));
             }
@@ -208,7 +198,7 @@ fn rising(argument: &Argument, points: Vec<[f64; 2]>) -> Result<Vec<[f64; 2]>, F
         }
     }
     if curve.is_empty() {
-        return Err(argument.fail("a curve without points cannot be compared").code(causes::EMPTY).hint("give pairs `[x, y]` of numbers"));
+        return Err(argument.refuse(causes::EMPTY, "a curve without points cannot be compared").hint("give pairs `[x, y]` of numbers"));
     }
     Ok(curve)
 }

@@ -2,13 +2,12 @@
 
 use std::time::{Duration, Instant};
 
-use rhai::{Array, Dynamic, EvalAltResult, Map};
+use rhai::EvalAltResult;
 
 use super::record::{FAILURE, free_name, name_parameter};
 use super::sweep::{closure_of, not_in_check};
 use crate::dynamics::{LedgerRow, Options as KernelOptions, Simulation, StepError};
 use crate::integrators::Scheme;
-use crate::math::catalogue::Interval;
 use crate::math::tolerances::NO_ENERGY;
 use crate::output::{Curve, CurveStyle, Drawing, Plot, PlotAxis, RunFiles, rows_csv, study_page, svg};
 use crate::script::api::files::failures::output_failure;
@@ -32,34 +31,30 @@ const COLORS: usize = 7;
 
 /// Function `compare_integrators` of scripts.
 pub fn compare_integrators() -> Function {
-    Function {
-        name: "compare_integrators",
-        form: Form::Function,
-        topic: Topic::Studies,
-        summary: "runs a model under several time integrators, and with several step sizes where `dt` is an array, and gives an array of \
-                  rows: `integrator`, `dt` (the mean of steps that choose their size), `time` (how far it came), `steps`, `energy_drift` \
-                  (the largest sum of what the integrator added to the energy or took, over the largest energy), `energy` (at the end), \
-                  `momentum_defect` and `angular_momentum_defect` (what neither loads nor supports explain), `iterations`, \
-                  `factorizations`, `halvings`, `seconds`, with several step sizes `error` (largest distance of a node at the end from \
-                  the run of the first integrator with an eighth of the smallest `dt`) and `order`, and `failure`, which is empty or \
-                  says why it stopped. In the folder `studies` of the run are the table, plots, and both as a page",
-        parameters: vec![Parameter::new(
-            "options",
-            Kind::Options(vec![
-                Parameter::new("model", Kind::Closure("||"), "gives the model; it is called for each run"),
-                Parameter::new("integrators", Kind::Array, "the time integrators"),
-                Parameter::new("dt", Kind::Either("a number, `auto()`, or an array of them"), "the step size, or several").of("time"),
-                Parameter::number("end", "time", Interval::Positive, "the time at which runs end"),
-                Parameter::new("settle", Kind::Flag, "whether runs begin with a static equilibrium").or(Absent::Flag(false)),
-                Parameter::new("max_halvings", Kind::Integer, "how often a step that fails may be halved")
-                    .within(Interval::Closed(0.0, 50.0))
-                    .or(Absent::Integer(7)),
-                name_parameter("integrators"),
-            ]),
-            "what is run, and how",
-        )],
-        returns: "Array",
-        example: "fn flight() {\n    \
+    function(Topic::Studies, "compare_integrators")
+        .summary(
+            "runs a model under several time integrators, and with several step sizes where `dt` is an array, and gives an array of rows: \
+             `integrator`, `dt` (the mean of steps that choose their size), `time` (how far it came), `steps`, `energy_drift` (the largest \
+             sum of what the integrator added to the energy or took, over the largest energy), `energy` (at the end), `momentum_defect` \
+             and `angular_momentum_defect` (what neither loads nor supports explain), `iterations`, `factorizations`, `halvings`, \
+             `seconds`, with several step sizes `error` (largest distance of a node at the end from the run of the first integrator with \
+             an eighth of the smallest `dt`) and `order`, and `failure`, which is empty or says why it stopped. In the folder `studies` of \
+             the run are the table, plots, and both as a page",
+        )
+        .parameters(vec![Parameter::options("what is run, and how")])
+        .keys(vec![
+            Parameter::new("model", Kind::Closure("||"), "gives the model; it is called for each run"),
+            Parameter::array("integrators", "the time integrators"),
+            Parameter::new("dt", Kind::Either("a number, `auto()`, or an array of them"), "the step size, or several").of("time"),
+            Parameter::number("end", "time", Interval::Positive, "the time at which runs end"),
+            Parameter::flag("settle", "whether runs begin with a static equilibrium").or(false),
+            Parameter::integer("max_halvings", "how often a step that fails may be halved").within(Interval::Closed(0.0, 50.0)).or(7),
+            name_parameter("integrators"),
+        ])
+        .returns("Array")
+        .see_also(&["energy_momentum", "generalized_alpha", "sweep", "expect_order", "format_table"])
+        .example(
+            "fn flight() {\n    \
                   let rubber = neo_hookean(#{ youngs_modulus: 200.0, poisson_ratio: 0.3, density: 1.0 });\n    \
                   let sky = model(\"sky\");\n    \
                   let bar = sky.add_body(\"bar\", rectangle(#{ size: [3.0, 0.5], cells: [6, 1] }), rubber);\n    \
@@ -67,11 +62,9 @@ pub fn compare_integrators() -> Function {
                   sky\n\
                   }\n\
                   let rows = compare_integrators(#{ model: || flight(), integrators: [energy_momentum(), hht()], dt: 0.02, end: 0.2 });\n\
-                  print(format_table(rows, [\"integrator\", \"energy_drift\", \"iterations\", \"failure\"]));"
-            .into(),
-        see_also: &["energy_momentum", "generalized_alpha", "sweep", "expect_order", "format_table"],
-        body: body(run),
-    }
+                  print(format_table(rows, [\"integrator\", \"energy_drift\", \"iterations\", \"failure\"]));",
+        )
+        .body(run)
 }
 
 /// Parameters of a comparison.
@@ -133,20 +126,18 @@ fn integrators_of(options: &Options) -> Result<Vec<Scheme>, Failure> {
     let entries = argument.array()?;
     if entries.is_empty() {
         return Err(argument
-            .fail("`integrators` of `compare_integrators` is empty")
-            .code(causes::EMPTY)
+            .refuse(causes::EMPTY, "`integrators` of `compare_integrators` is empty")
             .hint("write `[energy_momentum(), hht()]`"));
     }
     let one = |(index, entry): (usize, &Dynamic)| {
         if entry.clone().try_cast::<IntegratorHandle>().is_some_and(|handle| handle.0.is_static()) {
             let failure = argument
-                .fail("`compare_integrators` compares motions, and `statics()` has none")
-                .code(causes::BODY_KIND)
+                .refuse(causes::BODY_KIND, "`compare_integrators` compares motions, and `statics()` has none")
                 .label(format!("entry {index}"));
             return Err(failure.hint("run it by itself: `simulate(model, #{ integrator: statics(), dt: 0.1 })`"));
         }
         entry.clone().try_cast::<IntegratorHandle>().map(|handle| handle.0).ok_or_else(|| {
-            let failure = argument.fail("`integrators` of `compare_integrators` must be an array of integrators").code(causes::WRONG_TYPE);
+            let failure = argument.refuse(causes::WRONG_TYPE, "`integrators` of `compare_integrators` must be an array of integrators");
             let given = describe(argument.call().engine(), entry);
             failure.label(format!("entry {index} is {given}")).hint("call each one: `[energy_momentum(), hht()]`")
         })
@@ -167,9 +158,8 @@ fn sizes_of(options: &Options) -> Result<Vec<StepSize>, Failure> {
         None => one(&value).map(|size| vec![size]),
     };
     let Some(mut sizes) = sizes.filter(|sizes| !sizes.is_empty()) else {
-        let failure = argument
-            .fail("`dt` of `compare_integrators` must be a positive number, `auto()`, or an array of them")
-            .code(causes::OUT_OF_RANGE);
+        let failure =
+            argument.refuse(causes::OUT_OF_RANGE, "`dt` of `compare_integrators` must be a positive number, `auto()`, or an array of them");
         let given = describe(argument.call().engine(), &value);
         return Err(failure.label(format!("this is {given}")).hint("write `0.01` or `[0.02, 0.01, 0.005]`"));
     };
@@ -189,7 +179,7 @@ impl Task<'_> {
         };
         let Some(model) = value.clone().try_cast::<ModelHandle>() else {
             let failure =
-                call.fail(format!("`model` of `compare_integrators` gives {}", describe(call.engine(), &value))).code(causes::WRONG_TYPE);
+                call.refuse(causes::WRONG_TYPE, format!("`model` of `compare_integrators` gives {}", describe(call.engine(), &value)));
             return Err(failure.hint(format!("let its last expression, without a semicolon, be a {}", ModelHandle::NAME)).into());
         };
         let mut kernel = KernelOptions::new(&integrator, 0.0);

@@ -1,9 +1,8 @@
 //! `expect_invariant`: repeats a scenario moved, rotated or in other units, and requires the equivalent motion.
 
-use rhai::{Dynamic, EvalAltResult};
+use rhai::EvalAltResult;
 
 use crate::dynamics::BodyFields;
-use crate::math::catalogue::Interval;
 use crate::math::tolerances::{INVARIANT, STILL_AT};
 use crate::script::api::checks::verdicts::{failed, only_listed, passed};
 use crate::script::api::motion::Motion;
@@ -16,56 +15,42 @@ use crate::script::language::values::describe;
 
 /// The function `expect_invariant`.
 pub fn expect_invariant() -> Function {
-    let factor =
-        |name: &'static str, summary: &'static str| Parameter::number(name, "1", Interval::Positive, summary).or(Absent::Number(1.0));
-    Function {
-        name: "expect_invariant",
-        form: Form::Function,
-        topic: Topic::Checks,
-        summary: "runs a scenario as it is and again turned, moved or in other units, each by itself, and ends the script with an \
-                  error when it moves otherwise",
-        parameters: vec![
+    let factor = |name: &'static str, summary: &'static str| Parameter::number(name, "1", Interval::Positive, summary).or(1.0);
+    function(Topic::Checks, "expect_invariant")
+        .summary(
+            "runs a scenario as it is and again turned, moved or in other units, each by itself, and ends the script with an error when it \
+             moves otherwise",
+        )
+        .parameters(vec![
             Parameter::new(
                 "action",
                 Kind::Closure("||"),
                 "builds a model, runs it and gives the simulation; while it is run again, `simulate` moves the whole model, and the script \
                  keeps its own clock",
             ),
-            Parameter::new(
-                "options",
-                Kind::Options(vec![
-                    Parameter::number("rotate", "rad", Interval::Finite, "the angle by which the model is turned about the third axis")
-                        .or(Absent::Means("not turned")),
-                    Parameter::new("translate", Kind::Vector, "the vector by which it is moved")
-                        .of("length")
-                        .or(Absent::Means("not moved")),
-                    Parameter::new(
-                        "units",
-                        Kind::Options(vec![
-                            factor("mass", "how many new units of mass the old one is"),
-                            factor("length", "how many new units of length the old one is"),
-                            factor("time", "how many new units of time the old one is"),
-                        ]),
-                        "the new units",
-                    )
-                    .or(Absent::Means("the same units")),
-                    Parameter::number("tolerance", "1", Interval::NonNegative, "the largest difference, relative to each quantity's size")
-                        .or(Absent::Number(INVARIANT)),
-                ]),
-                "what is changed",
-            ),
-        ],
-        returns: "",
-        example:
+            Parameter::options("what is changed"),
+        ])
+        .keys(vec![
+            Parameter::number("rotate", "rad", Interval::Finite, "the angle by which the model is turned about the third axis")
+                .otherwise("not turned"),
+            Parameter::vector("translate", "the vector by which it is moved").of("length").otherwise("not moved"),
+            Parameter::map("units", "the new units").otherwise("the same units").keys(vec![
+                factor("mass", "how many new units of mass the old one is"),
+                factor("length", "how many new units of length the old one is"),
+                factor("time", "how many new units of time the old one is"),
+            ]),
+            Parameter::number("tolerance", "1", Interval::NonNegative, "the largest difference, relative to each quantity's size")
+                .or(INVARIANT),
+        ])
+        .see_also(&["expect_order", "expect_conserved"])
+        .example(
             "fn flight() {\n    let rubber = neo_hookean(#{ youngs_modulus: 100.0, poisson_ratio: 0.3, density: 1.0 });\n    let sky = \
                   model(\"sky\");\n    let plate = sky.add_body(\"plate\", rectangle(#{ size: [2.0, 1.0], cells: [4, 2] }), rubber);\n    \
                   sky.initial_velocity(plate, #{ linear: [1.0, 0.0], angular: 2.0 });\n    let sim = simulate(sky, #{ integrator: \
                   energy_momentum(), dt: 0.01 });\n    sim.run_to(0.1);\n    sim\n}\nexpect_invariant(|| flight(), #{ rotate: deg(30), \
-                  translate: [1.0, 2.0], units: #{ length: 1000.0, time: 1000.0 } });"
-                .into(),
-        see_also: &["expect_order", "expect_conserved"],
-        body: body(run_invariance),
-    }
+                  translate: [1.0, 2.0], units: #{ length: 1000.0, time: 1000.0 } });",
+        )
+        .body(run_invariance)
 }
 
 fn run_invariance(call: &Call) -> Result<Dynamic, Box<EvalAltResult>> {
@@ -130,7 +115,7 @@ fn scenario(call: &Call, motion: Option<Motion>) -> Result<SimulationHandle, Box
     match value.clone().try_cast::<SimulationHandle>() {
         Some(handle) => Ok(handle),
         None => {
-            let failure = call.argument("action").fail("the closure must give a simulation").code(causes::CLOSURE);
+            let failure = call.argument("action").refuse(causes::CLOSURE, "the closure must give a simulation");
             let failure = failure.label(format!("this gives {}", describe(call.engine(), &value)));
             Err(failure.hint("let the last expression of the closure, without a semicolon, be the simulation").into())
         }
@@ -146,7 +131,7 @@ fn compare(call: &Call, original: &SimulationHandle, moved: &SimulationHandle, m
     let same_shape =
         fields.len() == moved_fields.len() && fields.iter().zip(&moved_fields).all(|(a, b)| a.displacement.len() == b.displacement.len());
     if !same_shape {
-        let failure = call.argument("action").fail("the closure gives another model when it is called again").code(causes::CLOSURE);
+        let failure = call.argument("action").refuse(causes::CLOSURE, "the closure gives another model when it is called again");
         return Err(failure.label("not the same bodies").hint("build the same model on every call"));
     }
     // Smaller differences of positions, and of velocities by as much in a step, are round-off.

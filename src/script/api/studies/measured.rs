@@ -1,36 +1,29 @@
 //! `read_csv`: measured data, or results of another program.
 
-use rhai::{Array, Dynamic, Map};
-
 use crate::output::{ReadError, read_columns};
 use crate::script::language::prelude::*;
 
 /// Function `read_csv` of scripts.
 pub fn read_csv() -> Function {
-    Function {
-        name: "read_csv",
-        form: Form::Function,
-        topic: Topic::Studies,
-        summary: "the columns of a table in a file: a map of arrays by the names in its first line (`x` and `y`, or `c1`, `c2`, …, where \
-                  it has numbers already). A name with a unit, such as `force [N]`, is there without it, too: `table.force`. Fields are \
-                  parted by commas, semicolons, tabs or blanks, `#` begins a remark; an empty field of numbers is NaN",
-        parameters: vec![Parameter::new(
-            "path",
-            Kind::Text,
-            "the file, below the folder of the script or a folder that `--allow-read` names",
-        )],
-        returns: "Map",
-        example: "// measured.csv has the lines `time,force`, `0.0,0.0`, `0.5,1.2`, …\n\
+    function(Topic::Studies, "read_csv")
+        .summary(
+            "the columns of a table in a file: a map of arrays by the names in its first line (`x` and `y`, or `c1`, `c2`, …, where it has \
+             numbers already). A name with a unit, such as `force [N]`, is there without it, too: `table.force`. Fields are parted by \
+             commas, semicolons, tabs or blanks, `#` begins a remark; an empty field of numbers is NaN",
+        )
+        .parameters(vec![Parameter::text("path", "the file, below the folder of the script or a folder that `--allow-read` names")])
+        .returns("Map")
+        .see_also(&["compare", "write_table", "fit"])
+        .example(
+            "// measured.csv has the lines `time,force`, `0.0,0.0`, `0.5,1.2`, …\n\
                   try {\n    \
                   let measured = read_csv(\"measured.csv\");\n    \
                   print(measured.force.max());\n\
                   } catch (problem) {\n    \
                   print(problem);\n\
-                  }"
-        .into(),
-        see_also: &["compare", "write_table", "fit"],
-        body: body(|call| Ok(read(call)?.into())),
-    }
+                  }",
+        )
+        .body(|call| Ok(read(call)?.into()))
 }
 
 fn read(call: &Call) -> Result<Map, Failure> {
@@ -49,7 +42,7 @@ fn read(call: &Call) -> Result<Map, Failure> {
     let mut table = Map::new();
     for column in &columns {
         if table.contains_key(column.name.as_str()) {
-            let failure = argument.fail(format!("\"{path}\" has two columns `{}`", column.name)).code(causes::NAME_TAKEN);
+            let failure = argument.refuse(causes::NAME_TAKEN, format!("\"{path}\" has two columns `{}`", column.name));
             return Err(failure.hint("give every column a name of its own in the first line"));
         }
         table.insert(column.name.as_str().into(), values(&column.fields).into());

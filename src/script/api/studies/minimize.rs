@@ -3,13 +3,12 @@
 //! The search method is in `math/minimize.rs`. Its first points do not depend on values, and are computed in parallel; all others one after
 //! another. A failed point counts as worse than all others.
 
-use rhai::{Array, Dynamic, Engine, EvalAltResult, Map};
+use rhai::{Engine, EvalAltResult};
 
 use super::record::{FAILURE, Record, name_parameter};
 use super::sweep::{not_in_check, threads, threads_parameter};
 use super::vary::{Point, described, map, unknown};
 use super::worker_pool::{Results, WorkerPool};
-use crate::math::catalogue::Interval;
 use crate::math::minimize::{End, Search, beginnings};
 use crate::math::tolerances::MINIMIZED;
 use crate::script::language::diagnostics::Diagnostic;
@@ -26,44 +25,42 @@ const EVALUATIONS: usize = 100;
 
 /// Function `minimize` of scripts.
 pub fn minimize() -> Function {
-    Function {
-        name: "minimize",
-        form: Form::Function,
-        topic: Topic::Studies,
-        summary: "the point between bounds at which a closure gives the least number, by BOBYQA (Powell 2009): quadratic models through \
-                  values, no derivatives, no chance; it finds the minimum of the valley it begins in. A map with the point `best`, its \
-                  `value`, whether it `converged` and the `reason` of the end, `evaluations`, `failures`, the names whose best value is \
-                  `at_bounds`, and the `course`: a row for each evaluation, also in `studies/minimize.csv` as they come",
-        parameters: vec![
+    function(Topic::Studies, "minimize")
+        .summary(
+            "the point between bounds at which a closure gives the least number, by BOBYQA (Powell 2009): quadratic models through values, \
+             no derivatives, no chance; it finds the minimum of the valley it begins in. A map with the point `best`, its `value`, whether \
+             it `converged` and the `reason` of the end, `evaluations`, `failures`, the names whose best value is `at_bounds`, and the \
+             `course`: a row for each evaluation, also in `studies/minimize.csv` as they come",
+        )
+        .parameters(vec![
             Parameter::new("run", Kind::Closure("|p|"), "computes the number for a point, whose values are `p.E`, …"),
-            Parameter::new("options", Kind::Options(options()), "where it searches"),
-        ],
-        returns: "Map",
-        example: "let found = minimize(|p| (1.0 - p.x) ** 2.0 + 100.0 * (p.y - p.x ** 2.0) ** 2.0, #{\n    \
+            Parameter::options("where it searches").keys(options()),
+        ])
+        .returns("Map")
+        .see_also(&["sweep", "compare", "read_csv", "fit"])
+        .example(
+            "let found = minimize(|p| (1.0 - p.x) ** 2.0 + 100.0 * (p.y - p.x ** 2.0) ** 2.0, #{\n    \
                   start: #{ x: -1.2, y: 1.0 },\n    \
                   bounds: #{ x: [-2.0, 2.0], y: [-2.0, 2.0] },\n\
                   });\n\
                   print(`${found.best} after ${found.evaluations} evaluations: ${found.reason}`);\n\
-                  expect_close(found.best.x, 1.0, #{ absolute: 1e-4 });"
-            .into(),
-        see_also: &["sweep", "compare", "read_csv", "fit"],
-        body: body(run_minimize),
-    }
+                  expect_close(found.best.x, 1.0, #{ absolute: 1e-4 });",
+        )
+        .body(run_minimize)
 }
 
 fn options() -> Vec<Parameter> {
     vec![
         Parameter::new("bounds", Kind::Either("a map of pairs `#{ E: [0.1, 10.0] }`"), "the least and the largest value of each variable"),
         Parameter::new("start", Kind::Either("a map of numbers `#{ E: 1.0 }`"), "values to begin with")
-            .or(Absent::Means("the middle of the bounds")),
-        Parameter::number("step", "1", Interval::Open(0.0, 0.5), "the first distance between points, as a share of each range")
-            .or(Absent::Number(0.1)),
+            .otherwise("the middle of the bounds"),
+        Parameter::number("step", "1", Interval::Open(0.0, 0.5), "the first distance between points, as a share of each range").or(0.1),
         Parameter::number("tolerance", "1", Interval::Open(0.0, 0.5), "the last distance between points, as a share of each range")
-            .or(Absent::Number(MINIMIZED)),
-        Parameter::number("target", "any", Interval::Finite, "a value that is good enough").or(Absent::Means("none")),
-        Parameter::new("evaluations", Kind::Integer, "how often the closure is called at most")
+            .or(MINIMIZED),
+        Parameter::number("target", "any", Interval::Finite, "a value that is good enough").otherwise("none"),
+        Parameter::integer("evaluations", "how often the closure is called at most")
             .within(Interval::Closed(4.0, 1e6))
-            .or(Absent::Means("100 for each variable")),
+            .otherwise("100 for each variable"),
         threads_parameter(),
         name_parameter("minimize"),
     ]
@@ -111,10 +108,8 @@ fn run_minimize(call: &Call) -> Result<Dynamic, Box<EvalAltResult>> {
 /// Names of the variables, and the search.
 fn search(options: &Options) -> Result<(Vec<String>, Search), Failure> {
     let argument = options.argument("bounds");
-    let wrong = || {
-        let failure = argument.fail(format!("{} must be a map of pairs of numbers", argument.title())).code(causes::WRONG_TYPE);
-        failure.hint("write `#{ E: [0.1, 10.0], nu: [0.0, 0.49] }`")
-    };
+    let wrong =
+        || argument.wrong(causes::WRONG_TYPE, "must be a map of pairs of numbers").hint("write `#{ E: [0.1, 10.0], nu: [0.0, 0.49] }`");
     let value = argument.value();
     let bounds = value.read_lock::<Map>().map(|map| map.clone()).filter(|map| !map.is_empty()).ok_or_else(wrong)?;
     let (mut names, mut lower, mut upper) = (Vec::new(), Vec::new(), Vec::new());
@@ -124,13 +119,15 @@ fn search(options: &Options) -> Result<(Vec<String>, Search), Failure> {
             return Err(wrong().label(format!("`{name}` is {}", describe(argument.call().engine(), pair))));
         };
         if !(low < high && (high - low).is_finite()) {
-            let failure = argument.fail(format!("the bounds of `{name}` must be finite, the lower one first")).code(causes::ORDER);
+            let failure = argument.refuse(causes::ORDER, format!("the bounds of `{name}` must be finite, the lower one first"));
             return Err(failure.label(format!("these are {} and {}", number_text(low), number_text(high))).hint("write `[0.1, 10.0]`"));
         }
         if name == FAILURE || name == "value" || name == "evaluation" {
             return Err(argument
-                .fail(format!("`{name}` is not available as a variable: the rows of the search have a column of this name"))
-                .code(causes::NAME_TAKEN)
+                .refuse(
+                    causes::NAME_TAKEN,
+                    format!("`{name}` is not available as a variable: the rows of the search have a column of this name"),
+                )
                 .hint("choose another name"));
         }
         names.push(name.to_string());
@@ -140,7 +137,7 @@ fn search(options: &Options) -> Result<(Vec<String>, Search), Failure> {
     let start = start(&options.argument("start"), &names, &lower, &upper)?;
     let (step, tolerance) = (options.number("step")?, options.number("tolerance")?);
     if tolerance >= step {
-        let failure = options.argument("tolerance").fail("`tolerance` of `minimize` must be less than `step`").code(causes::ORDER);
+        let failure = options.argument("tolerance").refuse(causes::ORDER, "`tolerance` of `minimize` must be less than `step`");
         return Err(failure.cause(format!("`step` is {}", number_text(step))).hint("give a smaller `tolerance`"));
     }
     let most = options.argument("evaluations");
@@ -148,7 +145,7 @@ fn search(options: &Options) -> Result<(Vec<String>, Search), Failure> {
     let count = if most.is_given() { most.integer()? as usize } else { EVALUATIONS * names.len() };
     if count < least {
         let failure =
-            most.fail(format!("`evaluations` of `minimize` must be at least {least} for {} variables", names.len())).code(causes::COUNT);
+            most.refuse(causes::COUNT, format!("`evaluations` of `minimize` must be at least {least} for {} variables", names.len()));
         return Err(failure.cause(format!("the search begins with {} points", least - 1)).hint(format!("give {} or more", 2 * least)));
     }
     let target = options.optional_number("target")?;
@@ -161,26 +158,20 @@ fn start(argument: &Argument, names: &[String], lower: &[f64], upper: &[f64]) ->
     }
     let value = argument.value();
     let Some(map) = value.read_lock::<Map>() else {
-        return Err(argument
-            .fail(format!("{} must be a map of numbers", argument.title()))
-            .code(causes::WRONG_TYPE)
-            .hint("write `#{ E: 1.0, nu: 0.3 }`"));
+        return Err(argument.wrong(causes::WRONG_TYPE, "must be a map of numbers").hint("write `#{ E: 1.0, nu: 0.3 }`"));
     };
     if let Some(name) = map.keys().find(|name| !names.iter().any(|known| known == name.as_str())) {
         return Err(unknown(argument, name, names));
     }
     let number = |(index, name): (usize, &String)| {
         let Some(number) = map.get(name.as_str()).and_then(as_number) else {
-            return Err(argument
-                .fail(format!("{} has no number `{name}`", argument.title()))
-                .code(causes::NO_SUCH)
-                .hint(format!("write `{name}: 1.0`")));
+            return Err(argument.wrong(causes::NO_SUCH, format!("has no number `{name}`")).hint(format!("write `{name}: 1.0`")));
         };
         let (low, high) = (lower[index], upper[index]);
         if (low..=high).contains(&number) {
             return Ok(number);
         }
-        let failure = argument.fail(format!("`{name}` of {} lies beyond its bounds", argument.title())).code(causes::ORDER);
+        let failure = argument.refuse(causes::ORDER, format!("`{name}` of {} lies beyond its bounds", argument.title()));
         let failure = failure.label(format!("this is {}", number_text(number)));
         Err(failure.cause(format!("its bounds are {} and {}", number_text(low), number_text(high))).hint("begin between them"))
     };

@@ -1,9 +1,8 @@
 //! `expect_order`: runs a closure with decreasing step sizes, and requires an order of convergence of its result.
 
-use rhai::{Array, Dynamic, Engine, EvalAltResult};
+use rhai::{Engine, EvalAltResult};
 
 use super::worker_pool::{Results, WorkerPool};
-use crate::math::catalogue::Interval;
 use crate::math::tolerances::ORDER_ROUND_OFF;
 use crate::script::api::checks::verdicts::{failed, only_listed, passed};
 use crate::script::api::nested_runs::begin_study;
@@ -17,50 +16,37 @@ use crate::script::language::worker_pool::{Computed, Outcome};
 
 /// The function `expect_order`.
 pub fn expect_order() -> Function {
-    Function {
-        name: "expect_order",
-        form: Form::Function,
-        topic: Topic::Checks,
-        summary: "runs a closure with smaller and smaller steps and ends the script with an error unless its result converges \
-                  with an order",
-        parameters: vec![
+    function(Topic::Checks, "expect_order")
+        .summary(
+            "runs a closure with smaller and smaller steps and ends the script with an error unless its result converges with an order",
+        )
+        .parameters(vec![
             Parameter::new(
                 "action",
                 Kind::Closure("|dt|"),
                 "computes with a step size; gives a number, an array of numbers, or a simulation, whose final positions are compared",
             ),
             Parameter::number("order", "1", Interval::Positive, "the order: halving the step divides the error by 2^order"),
-            Parameter::new(
-                "options",
-                Kind::Options(vec![
-                    Parameter::number("dt", "any", Interval::Positive, "the largest step size"),
-                    Parameter::new("runs", Kind::Integer, "the number of step sizes, each half of the one before")
-                        .within(Interval::Closed(2.0, 12.0))
-                        .or(Absent::Integer(4)),
-                    Parameter::new("exact", Kind::Any, "the exact result, a number or an array of numbers")
-                        .or(Absent::Means("results of successive step sizes are compared")),
-                    Parameter::number(
-                        "tolerance",
-                        "1",
-                        Interval::Positive,
-                        "the largest deviation of the last order from the expected one",
-                    )
-                    .or(Absent::Number(0.2)),
-                ]),
-                "the step sizes",
-            ),
-        ],
-        returns: "",
-        example: "// the midpoint rule for y' = y, from 0 to 1\nfn exponential(dt) {\n    \
+            Parameter::options("the step sizes"),
+        ])
+        .keys(vec![
+            Parameter::number("dt", "any", Interval::Positive, "the largest step size"),
+            Parameter::integer("runs", "the number of step sizes, each half of the one before").within(Interval::Closed(2.0, 12.0)).or(4),
+            Parameter::any("exact", "the exact result, a number or an array of numbers")
+                .otherwise("results of successive step sizes are compared"),
+            Parameter::number("tolerance", "1", Interval::Positive, "the largest deviation of the last order from the expected one")
+                .or(0.2),
+        ])
+        .see_also(&["expect_close", "expect_invariant"])
+        .example(
+            "// the midpoint rule for y' = y, from 0 to 1\nfn exponential(dt) {\n    \
                       let y = 1.0;\n    \
                       for step in 0..round(1.0 / dt).to_int() { y *= (1.0 + dt / 2.0) / (1.0 - dt / 2.0); }\n    \
                       y\n\
                   }\n\
-                  expect_order(|dt| exponential(dt), 2.0, #{ dt: 0.1, exact: exp(1.0) });"
-            .into(),
-        see_also: &["expect_close", "expect_invariant"],
-        body: body(run_order),
-    }
+                  expect_order(|dt| exponential(dt), 2.0, #{ dt: 0.1, exact: exp(1.0) });",
+        )
+        .body(run_order)
 }
 
 fn run_order(call: &Call) -> Result<Dynamic, Box<EvalAltResult>> {
@@ -68,7 +54,7 @@ fn run_order(call: &Call) -> Result<Dynamic, Box<EvalAltResult>> {
     let (largest, runs, tolerance) = (options.number("dt")?, options.integer("runs")?, options.number("tolerance")?);
     let exact = exact_of(&options)?;
     if exact.is_none() && runs < 3 {
-        let failure = options.argument("runs").fail("an order needs three runs, or the exact result and two").code(causes::COUNT);
+        let failure = options.argument("runs").refuse(causes::COUNT, "an order needs three runs, or the exact result and two");
         return Err(failure.hint("give `runs: 4`, or `exact: …`").into());
     }
     if only_listed(call, &format!("the closure converges with order {}", number_text(order))) {
@@ -94,9 +80,7 @@ fn exact_of(options: &Options) -> Result<Option<Vec<f64>>, Failure> {
         return Ok(None);
     }
     let numbers = numbers_in(&exact.value());
-    numbers
-        .map(Some)
-        .ok_or_else(|| exact.fail("`exact` of `expect_order` must be a number or an array of numbers").code(causes::WRONG_TYPE))
+    numbers.map(Some).ok_or_else(|| exact.refuse(causes::WRONG_TYPE, "`exact` of `expect_order` must be a number or an array of numbers"))
 }
 
 /// Results for decreasing step sizes, with errors and orders of convergence.

@@ -23,8 +23,7 @@ struct Names(RefCell<BTreeSet<String>>);
 
 /// Description of the option `name`.
 pub fn name_parameter(absent: &'static str) -> Parameter {
-    Parameter::new("name", Kind::Text, "name of its table in the folder `studies` of the run: letters, digits, `-` and `_`")
-        .or(Absent::Text(absent))
+    Parameter::text("name", "name of its table in the folder `studies` of the run: letters, digits, `-` and `_`").or(absent)
 }
 
 /// Returns the name of a study from its options, numbered if an earlier study of the session has that name.
@@ -35,7 +34,7 @@ pub fn free_name(call: &Call, options: &Options) -> Result<String, Failure> {
     let argument = options.argument("name");
     let name = argument.text()?;
     if name.is_empty() || !name.chars().all(|letter| letter.is_alphanumeric() || "-_".contains(letter)) {
-        let failure = argument.fail(format!("{} must be letters, digits, `-` and `_`", argument.title())).code(causes::WRONG_TYPE);
+        let failure = argument.wrong(causes::WRONG_TYPE, "must be letters, digits, `-` and `_`");
         return Err(failure.label(format!("this is \"{name}\"")).hint("leave out folder and ending: they are given"));
     }
     let names = call.host.slots.get::<Names>();

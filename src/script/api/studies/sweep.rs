@@ -1,11 +1,10 @@
 //! `sweep`: a closure evaluated at many points, in parallel, with results as rows.
 
-use rhai::{Array, Dynamic, Engine, EvalAltResult, FnPtr, Map};
+use rhai::{Engine, EvalAltResult, FnPtr};
 
 use super::record::{FAILURE, Record, name_parameter};
 use super::vary::{Point, described, map, points};
 use super::worker_pool::{Results, WorkerPool};
-use crate::math::catalogue::Interval;
 use crate::script::language::callback::Callback;
 use crate::script::language::diagnostics::Diagnostic;
 use crate::script::language::failure::Class;
@@ -22,54 +21,50 @@ const MOST_THREADS: f64 = 1024.0;
 
 /// Function `sweep` of scripts.
 pub fn sweep() -> Function {
-    Function {
-        name: "sweep",
-        form: Form::Function,
-        topic: Topic::Studies,
-        summary: "calls a closure for many points, several at a time, and gives an array of rows in the order of the points: each is a map \
-                  with the point's values, what the closure gave (`value`, or the keys of the map that it gave), and `failure`, which is \
-                  empty or says why the point failed. Simulations in it write no files; the rows are in `studies/sweep.csv` as they come",
-        parameters: vec![Parameter::new(
-            "options",
-            Kind::Options(vec![
-                Parameter::new(
-                    "vary",
-                    Kind::Either("a map of arrays `#{ dt: [0.01, 0.005] }` or an array of maps"),
-                    "what differs: of a map of arrays (or ranges, or single values) all combinations, names in the order of the alphabet, \
+    function(Topic::Studies, "sweep")
+        .summary(
+            "calls a closure for many points, several at a time, and gives an array of rows in the order of the points: each is a map with \
+             the point's values, what the closure gave (`value`, or the keys of the map that it gave), and `failure`, which is empty or \
+             says why the point failed. Simulations in it write no files; the rows are in `studies/sweep.csv` as they come",
+        )
+        .parameters(vec![Parameter::options("the points and what is done")])
+        .keys(vec![
+            Parameter::new(
+                "vary",
+                Kind::Either("a map of arrays `#{ dt: [0.01, 0.005] }` or an array of maps"),
+                "what differs: of a map of arrays (or ranges, or single values) all combinations, names in the order of the alphabet, \
                      the last one runs fastest; an array of maps is the points as they are",
-                ),
-                Parameter::new(
-                    "run",
-                    Kind::Closure("|p|"),
-                    "computes a point, whose values are `p.dt`, …; gives a number, a string, an array or a map of such",
-                ),
-                Parameter::new("failures", Kind::Choice(&["keep", "stop"]), "whether a point that fails is a row, or ends the script")
-                    .or(Absent::Text("keep")),
-                threads_parameter(),
-                name_parameter("sweep"),
-            ]),
-            "the points and what is done",
-        )],
-        returns: "Array",
-        example: "let rows = sweep(#{ vary: #{ n: [10, 100], rule: [\"left\", \"middle\"] }, run: |p| {\n    \
+            ),
+            Parameter::new(
+                "run",
+                Kind::Closure("|p|"),
+                "computes a point, whose values are `p.dt`, …; gives a number, a string, an array or a map of such",
+            ),
+            Parameter::new("failures", Kind::Choice(&["keep", "stop"]), "whether a point that fails is a row, or ends the script")
+                .or("keep"),
+            threads_parameter(),
+            name_parameter("sweep"),
+        ])
+        .returns("Array")
+        .see_also(&["minimize", "format_table", "write_table", "compare", "plot_curves"])
+        .example(
+            "let rows = sweep(#{ vary: #{ n: [10, 100], rule: [\"left\", \"middle\"] }, run: |p| {\n    \
                   let offset = if p.rule == \"left\" { 0.0 } else { 0.5 };\n    \
                   let sum = 0.0;\n    \
                   for k in 0..p.n { sum += ((k + offset) / p.n) ** 2.0 / p.n; }\n    \
                   abs(sum - 1.0 / 3.0)\n\
                   } });\n\
                   print(format_table(rows));\n\
-                  write_table(\"errors.csv\", rows);"
-            .into(),
-        see_also: &["minimize", "format_table", "write_table", "compare", "plot_curves"],
-        body: body(run_sweep),
-    }
+                  write_table(\"errors.csv\", rows);",
+        )
+        .body(run_sweep)
 }
 
 /// Description of the option `threads`.
 pub fn threads_parameter() -> Parameter {
-    Parameter::new("threads", Kind::Integer, "points that are computed at a time; results do not depend on it")
+    Parameter::integer("threads", "points that are computed at a time; results do not depend on it")
         .within(Interval::Closed(1.0, MOST_THREADS))
-        .or(Absent::Means("one for each processor; `conserva test` shares them among the tests"))
+        .otherwise("one for each processor; `conserva test` shares them among the tests")
 }
 
 /// Returns the number of threads from the options.
@@ -112,8 +107,7 @@ fn run_sweep(call: &Call) -> Result<Dynamic, Box<EvalAltResult>> {
     if let Some(name) = names.iter().find(|name| **name == FAILURE) {
         let failure = options
             .argument("vary")
-            .fail(format!("`{name}` cannot be varied: this column has the cause of a failure"))
-            .code(causes::NAME_TAKEN);
+            .refuse(causes::NAME_TAKEN, format!("`{name}` cannot be varied: this column has the cause of a failure"));
         return Err(failure.hint("choose another name").into());
     }
     not_in_check(call, format!("would compute {} points of {}", points.len(), listed(&names, "and")))?;
@@ -183,7 +177,7 @@ impl Results for Rows<'_> {
         let is_taken = |name: &str| name == FAILURE || point.iter().any(|(known, _)| known == name);
         if let Some((name, _)) = results.iter().find(|(name, _)| is_taken(name)) {
             let failure =
-                self.options.argument("run").fail(format!("the closure gives `{name}`, which rows have already")).code(causes::CLOSURE);
+                self.options.argument("run").refuse(causes::CLOSURE, format!("the closure gives `{name}`, which rows have already"));
             let failure = failure.cause(format!("rows have the point's values and `{FAILURE}`, the cause of a failure"));
             return Err(failure.hint("choose another name"));
         }
@@ -191,8 +185,7 @@ impl Results for Rows<'_> {
         self.rows.push((results, failure));
         match self.failed.last() {
             Some((_, message)) if self.stops => {
-                let failure = message.failure(&host.sources);
-                Err(failure.cause(format!("at the point {} of `sweep`", described(point))))
+                Err(message.failure(&host.sources).cause(format!("at the point {} of `sweep`", described(point))))
             }
             _ => Ok(()),
         }

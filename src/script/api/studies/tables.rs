@@ -1,7 +1,5 @@
 //! Rows as a table: as text to print, and as a CSV file.
 
-use rhai::{Dynamic, Map};
-
 use super::record::FAILURE;
 use crate::output::rows_csv;
 use crate::script::api::files::writing::{path_parameter, write};
@@ -21,25 +19,21 @@ pub fn functions() -> Vec<Function> {
 }
 
 fn rows_parameter() -> Parameter {
-    Parameter::new("rows", Kind::Array, "an array of maps, such as `sweep` gives")
+    Parameter::array("rows", "an array of maps, such as `sweep` gives")
 }
 
 fn columns_parameter() -> Parameter {
-    Parameter::new("columns", Kind::Array, "names of columns, in their order")
-        .or(Absent::Means("all, as they come in the rows; `failure` where there is one"))
+    Parameter::array("columns", "names of columns, in their order").otherwise("all, as they come in the rows; `failure` where there is one")
 }
 
 fn format_table() -> Function {
-    Function {
-        name: "format_table",
-        form: Form::Function,
-        topic: Topic::Studies,
-        summary: "rows as a table to print, with six digits",
-        parameters: vec![rows_parameter(), columns_parameter()],
-        returns: "String",
-        example: "print(format_table([#{ dt: 0.1, defect: 1e-3 }, #{ dt: 0.05, defect: 2.5e-4 }], [\"dt\", \"defect\"]));".into(),
-        see_also: &["sweep", "write_table"],
-        body: body(|call| {
+    function(Topic::Studies, "format_table")
+        .summary("rows as a table to print, with six digits")
+        .parameters(vec![rows_parameter(), columns_parameter()])
+        .returns("String")
+        .see_also(&["sweep", "write_table"])
+        .example("print(format_table([#{ dt: 0.1, defect: 1e-3 }, #{ dt: 0.05, defect: 2.5e-4 }], [\"dt\", \"defect\"]));")
+        .body(|call| {
             let (names, rows) = rows_of(call)?;
             let cell = |value: &Plain| match value {
                 Plain::Number(number) => brief(*number),
@@ -48,26 +42,20 @@ fn format_table() -> Function {
             };
             let rows: Vec<Vec<String>> = rows.iter().map(|row| row.iter().map(cell).collect()).collect();
             Ok(table(&names.iter().map(String::as_str).collect::<Vec<_>>(), &rows).into())
-        }),
-    }
+        })
 }
 
 fn write_table() -> Function {
-    Function {
-        name: "write_table",
-        form: Form::Function,
-        topic: Topic::Studies,
-        summary: "writes rows as a CSV file, numbers with all digits",
-        parameters: vec![path_parameter("a `.csv` file below the output folder"), rows_parameter(), columns_parameter()],
-        returns: "",
-        example: "write_table(\"orders.csv\", [#{ dt: 0.1, defect: 1e-3 }, #{ dt: 0.05, defect: 2.5e-4 }]);".into(),
-        see_also: &["sweep", "format_table", "read_csv"],
-        body: body(|call| {
+    function(Topic::Studies, "write_table")
+        .summary("writes rows as a CSV file, numbers with all digits")
+        .parameters(vec![path_parameter("a `.csv` file below the output folder"), rows_parameter(), columns_parameter()])
+        .see_also(&["sweep", "format_table", "read_csv"])
+        .example("write_table(\"orders.csv\", [#{ dt: 0.1, defect: 1e-3 }, #{ dt: 0.05, defect: 2.5e-4 }]);")
+        .body(|call| {
             let (names, rows) = rows_of(call)?;
             let rows: Vec<Vec<String>> = rows.iter().map(|row| row.iter().map(Plain::field).collect()).collect();
             Ok(write(call, None, &[".csv"], || Ok(rows_csv(&names, &rows)))?)
-        }),
-    }
+        })
 }
 
 /// The names of the columns, and the rows in their order.
@@ -100,13 +88,13 @@ fn rows_of(call: &Call) -> Result<(Vec<String>, Vec<Vec<Plain>>), Failure> {
 fn row(argument: &Argument, index: usize, entry: &Dynamic) -> Result<Vec<(String, Plain)>, Failure> {
     let given = || describe(argument.call().engine(), entry);
     let Some(map) = entry.read_lock::<Map>() else {
-        let failure = argument.fail(format!("{} must be an array of maps", argument.title())).code(causes::WRONG_TYPE);
+        let failure = argument.wrong(causes::WRONG_TYPE, "must be an array of maps");
         return Err(failure.label(format!("entry {index} is {}", given())).hint("write `[#{ dt: 0.1, defect: 1e-3 }]`"));
     };
     let field = |(name, value): (&rhai::Identifier, &Dynamic)| match Plain::of(value) {
         Some(plain) => Ok((name.to_string(), plain)),
         None => {
-            let failure = argument.fail(format!("`{name}` of entry {index} of {} is no data", argument.title())).code(causes::WRONG_TYPE);
+            let failure = argument.refuse(causes::WRONG_TYPE, format!("`{name}` of entry {index} of {} is no data", argument.title()));
             Err(failure.label(format!("this is {}", describe(argument.call().engine(), value))).hint("give a number of it"))
         }
     };
@@ -120,8 +108,7 @@ fn chosen_names(argument: &Argument, known: &[String]) -> Result<Vec<String>, Fa
             return Ok(name);
         }
         let failure = argument
-            .fail(format!("the rows have no column `{name}`"))
-            .code(causes::NO_SUCH)
+            .refuse(causes::NO_SUCH, format!("the rows have no column `{name}`"))
             .cause(format!("their columns are {}", listed(known, "and")));
         Err(failure.hint(did_you_mean(&name, known.iter().map(String::as_str)).unwrap_or_else(|| "use one of these names".into())))
     };

@@ -2,13 +2,12 @@
 
 use std::ops::{Range, RangeInclusive};
 
-use rhai::{Array, Dynamic, ImmutableString, Map};
+use rhai::ImmutableString;
 
-use crate::script::language::arguments::Argument;
 use crate::script::language::causes;
 use crate::script::language::digits::brief;
-use crate::script::language::failure::Failure;
 use crate::script::language::plain::Plain;
+use crate::script::language::prelude::*;
 use crate::script::language::values::describe;
 use crate::script::language::wording::{did_you_mean, listed};
 
@@ -30,18 +29,16 @@ pub fn points(argument: &Argument) -> Result<Vec<Point>, Failure> {
     let Some(array) = value.read_lock::<Array>() else { return Err(argument.wrong_type()) };
     let points: Vec<Point> = array.iter().enumerate().map(|(index, entry)| point(argument, index, entry)).collect::<Result<_, _>>()?;
     let Some(first) = points.first() else {
-        return Err(argument
-            .fail(format!("{} has no points", argument.title()))
-            .code(causes::EMPTY)
-            .hint("write `[#{ dt: 0.01 }, #{ dt: 0.005 }]`"));
+        return Err(argument.wrong(causes::EMPTY, "has no points").hint("write `[#{ dt: 0.01 }, #{ dt: 0.005 }]`"));
     };
     for (index, point) in points.iter().enumerate() {
         let names = |point: &Point| point.iter().map(|(name, _)| name.clone()).collect::<Vec<_>>();
         if names(point) != names(first) {
-            let failure = argument.fail(format!("the points of {} do not have the same names", argument.title())).code(causes::COUNT);
+            let failure = argument.refuse(causes::COUNT, format!("the points of {} do not have the same names", argument.title()));
             let failure = failure.cause(format!("point 0 has {}", listed(&names(first), "and")));
-            let failure = failure.cause(format!("point {index} has {}", listed(&names(point), "and")));
-            return Err(failure.hint("give every name in every point"));
+            return Err(failure
+                .cause(format!("point {index} has {}", listed(&names(point), "and")))
+                .hint("give every name in every point"));
         }
     }
     Ok(points)
@@ -64,15 +61,12 @@ pub fn map(point: &Point) -> Plain {
 
 fn point(argument: &Argument, index: usize, entry: &Dynamic) -> Result<Point, Failure> {
     match entry.read_lock::<Map>() {
-        Some(map) if map.is_empty() => {
-            Err(argument.fail(format!("point {index} of {} has no values", argument.title())).code(causes::EMPTY))
-        }
+        Some(map) if map.is_empty() => Err(argument.refuse(causes::EMPTY, format!("point {index} of {} has no values", argument.title()))),
         Some(map) => map.iter().map(|(name, value)| plain(argument, name, value).map(|value| (name.to_string(), value))).collect(),
         None => {
             let given = describe(argument.call().engine(), entry);
             let failure = argument
-                .fail(format!("the points of {} must be maps", argument.title()))
-                .code(causes::WRONG_TYPE)
+                .refuse(causes::WRONG_TYPE, format!("the points of {} must be maps", argument.title()))
                 .label(format!("entry {index} is {given}"));
             Err(failure.hint("write `[#{ dt: 0.01 }, #{ dt: 0.005 }]`, or `#{ dt: [0.01, 0.005] }`"))
         }
@@ -82,20 +76,17 @@ fn point(argument: &Argument, index: usize, entry: &Dynamic) -> Result<Point, Fa
 /// All combinations: the last name runs fastest.
 fn grid(argument: &Argument, map: &Map) -> Result<Vec<Point>, Failure> {
     if map.is_empty() {
-        return Err(argument
-            .fail(format!("{} names nothing", argument.title()))
-            .code(causes::EMPTY)
-            .hint("write `vary: #{ dt: [0.01, 0.005] }`"));
+        return Err(argument.wrong(causes::EMPTY, "names nothing").hint("write `vary: #{ dt: [0.01, 0.005] }`"));
     }
     let mut points: Vec<Point> = vec![Vec::new()];
     for (name, value) in map {
         let values = values(argument, name, value)?;
         if values.is_empty() {
-            let failure = argument.fail(format!("`{name}` of {} has no values", argument.title())).code(causes::EMPTY);
+            let failure = argument.refuse(causes::EMPTY, format!("`{name}` of {} has no values", argument.title()));
             return Err(failure.hint(format!("write `{name}: [1.0, 2.0]`")));
         }
         if points.len().saturating_mul(values.len()) > MOST {
-            let failure = argument.fail(format!("{} means more than {MOST} points", argument.title())).code(causes::COUNT);
+            let failure = argument.wrong(causes::COUNT, format!("means more than {MOST} points"));
             return Err(failure.hint("give fewer values, or an array of points of your own choice"));
         }
         let longer = |point: &Point| {
@@ -125,7 +116,7 @@ fn values(argument: &Argument, name: &str, value: &Dynamic) -> Result<Vec<Plain>
         && is_number(low)
         && is_number(high)
     {
-        let failure = argument.fail(format!("`{name}` of {} is one text, not values", argument.title())).code(causes::EMPTY);
+        let failure = argument.refuse(causes::EMPTY, format!("`{name}` of {} is one text, not values", argument.title()));
         let (low, high, count) = (fraction(low), fraction(high), count.split(':').next().unwrap_or("5"));
         return Err(failure.label("a range as the command line has it").hint(format!("write `{name}: linspace({low}, {high}, {count})`")));
     }
@@ -144,7 +135,7 @@ fn plain(argument: &Argument, name: &str, value: &Dynamic) -> Result<Plain, Fail
     Plain::of(value).ok_or_else(|| {
         let given = describe(argument.call().engine(), value);
         let failure =
-            argument.fail(format!("`{name}` of {} must be numbers, strings or other data", argument.title())).code(causes::WRONG_TYPE);
+            argument.refuse(causes::WRONG_TYPE, format!("`{name}` of {} must be numbers, strings or other data", argument.title()));
         failure
             .label(format!("this has {given}"))
             .hint(format!("vary a name, and choose by it: `if p.{name} == \"…\" {{ … }} else {{ … }}`"))
@@ -153,7 +144,7 @@ fn plain(argument: &Argument, name: &str, value: &Dynamic) -> Result<Plain, Fail
 
 /// Returns the failure of a name that is not permitted.
 pub fn unknown(argument: &Argument, name: &str, known: &[String]) -> Failure {
-    let failure = argument.fail(format!("{} has `{name}`, which is not searched for", argument.title())).code(causes::NO_SUCH);
+    let failure = argument.wrong(causes::NO_SUCH, format!("has `{name}`, which is not searched for"));
     let failure = failure.cause(format!("what is searched for is {}", listed(known, "and")));
     failure.hint(did_you_mean(name, known.iter().map(String::as_str)).unwrap_or_else(|| "remove it".into()))
 }

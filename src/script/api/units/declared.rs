@@ -5,8 +5,6 @@
 
 use std::cell::{Cell, RefCell};
 
-use rhai::Dynamic;
-
 use crate::bodies::Plane;
 use crate::dynamics::Model;
 use crate::output::{ModelUnits, SETS, Unit, UnitError, UnitSet, UnitSetError};
@@ -79,34 +77,30 @@ pub fn model_units(host: &Host, model: &Model) -> Option<ModelUnits> {
 /// The function `units`.
 pub fn units() -> Function {
     let names = NAMES.into_iter().enumerate().map(|(index, name)| match index {
-        0 => Parameter::new(
+        0 => Parameter::text(
             name,
-            Kind::Text,
             "a set by name (`\"SI\"`, `\"CGS\"`, `\"US\"`: inches, pounds-force and seconds), units joined by hyphens (`\"mm-N-t\"`, \
              `\"mm-kg-ms\"`), or a unit, followed by at least two further ones from which mass, length and time follow",
         ),
-        _ => Parameter::new(name, Kind::Text, "a further unit, such as `\"MPa\"`, which must fit the others").or(Absent::Means("none")),
+        _ => Parameter::text(name, "a further unit, such as `\"MPa\"`, which must fit the others").otherwise("none"),
     });
-    Function {
-        name: "units",
-        form: Form::Function,
-        topic: Topic::Numbers,
-        summary: "declares the consistent units in which the numbers of the script are, once, at its top: plots, reports, tables and files \
-                  name them, `quantity` and its short forms convert to them, and implausible material constants cause a warning; computed \
-                  numbers do not change",
-        parameters: names.collect(),
-        returns: "",
-        example:
+    function(Topic::Numbers, "units")
+        .summary(
+            "declares the consistent units in which the numbers of the script are, once, at its top: plots, reports, tables and files name \
+             them, `quantity` and its short forms convert to them, and implausible material constants cause a warning; computed numbers do \
+             not change",
+        )
+        .parameters(names.collect())
+        .see_also(&["quantity", "in_unit"])
+        .example(
             "units(\"mm\", \"N\", \"MPa\", \"t\", \"s\"); // or units(\"mm-N-t\")\nlet steel = neo_hookean(#{ youngs_modulus: gpa(210), \
-                  poisson_ratio: 0.3, density: kg_m3(7850) });\nprint(steel);"
-                .into(),
-        see_also: &["quantity", "in_unit"],
-        body: body(|call| {
+                  poisson_ratio: 0.3, density: kg_m3(7850) });\nprint(steel);",
+        )
+        .body(|call| {
             let set = set_of(call)?;
             call.host.slots.get::<DeclaredUnits>().declare(call, set)?;
             Ok(Dynamic::UNIT)
-        }),
-    }
+        })
 }
 
 /// Set of units in a call of `units`.

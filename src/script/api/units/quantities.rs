@@ -1,9 +1,6 @@
 //! Quantities with a unit: `quantity(210, "GPa")`, its short forms, and numbers of the script in another unit.
 
-use rhai::Dynamic;
-
 use super::declared::{DeclaredUnits, refused_unit};
-use crate::math::catalogue::Interval;
 use crate::output::{Dimension, Unit, UnitSet};
 use crate::script::api::numbers::entrywise;
 use crate::script::language::prelude::*;
@@ -31,58 +28,43 @@ fn value_parameter(summary: &'static str) -> Parameter {
 }
 
 fn unit_parameter() -> Parameter {
-    Parameter::new(
-        "unit",
-        Kind::Text,
-        "the unit: a name with a prefix if it has one, or a product such as `\"kg/m^3\"`, `\"N*m\"`, `\"mm/s^2\"`",
-    )
+    Parameter::text("unit", "the unit: a name with a prefix if it has one, or a product such as `\"kg/m^3\"`, `\"N*m\"`, `\"mm/s^2\"`")
 }
 
 fn quantity() -> Function {
-    Function {
-        name: "quantity",
-        form: Form::Function,
-        topic: Topic::Numbers,
-        summary: "a quantity with a unit, converted to the units declared with `units`; angles need no declaration",
-        parameters: vec![value_parameter("the number before the unit, or an array of numbers entry by entry"), unit_parameter()],
-        returns: "number",
-        example: "units(\"mm-N-t\");\nprint(quantity(210, \"GPa\")); // 210000\nprint(quantity(7850, \"kg/m^3\")); // 7.85e-9\n\
-                  print(quantity([0, 9.81], \"m/s^2\"));"
-            .into(),
-        see_also: &["units", "in_unit", "gpa", "kg_m3", "mm", "deg"],
-        body: body(|call| converted(call, &unit_of(call)?, UnitSet::value)),
-    }
+    function(Topic::Numbers, "quantity")
+        .summary("a quantity with a unit, converted to the units declared with `units`; angles need no declaration")
+        .parameters(vec![value_parameter("the number before the unit, or an array of numbers entry by entry"), unit_parameter()])
+        .returns("number")
+        .see_also(&["units", "in_unit", "gpa", "kg_m3", "mm", "deg"])
+        .example(
+            "units(\"mm-N-t\");\nprint(quantity(210, \"GPa\")); // 210000\nprint(quantity(7850, \"kg/m^3\")); // 7.85e-9\n\
+                  print(quantity([0, 9.81], \"m/s^2\"));",
+        )
+        .body(|call| converted(call, &unit_of(call)?, UnitSet::value))
 }
 
 fn in_unit() -> Function {
-    Function {
-        name: "in_unit",
-        form: Form::Function,
-        topic: Topic::Numbers,
-        summary: "a number in the declared units as one in another unit, for prints, results and axes: the inverse of `quantity`",
-        parameters: vec![value_parameter("the number, or an array of numbers entry by entry"), unit_parameter()],
-        returns: "number",
-        example: "units(\"mm-N-t\");\nprint(in_unit(2500.0, \"kN\")); // 2.5\nprint(in_unit(PI, \"deg\"));".into(),
-        see_also: &["quantity", "units"],
-        body: body(|call| converted(call, &unit_of(call)?, UnitSet::value_in)),
-    }
+    function(Topic::Numbers, "in_unit")
+        .summary("a number in the declared units as one in another unit, for prints, results and axes: the inverse of `quantity`")
+        .parameters(vec![value_parameter("the number, or an array of numbers entry by entry"), unit_parameter()])
+        .returns("number")
+        .see_also(&["quantity", "units"])
+        .example("units(\"mm-N-t\");\nprint(in_unit(2500.0, \"kN\")); // 2.5\nprint(in_unit(PI, \"deg\"));")
+        .body(|call| converted(call, &unit_of(call)?, UnitSet::value_in))
 }
 
 fn short(name: &'static str, unit: &'static str, summary: &'static str) -> Function {
-    Function {
-        name,
-        form: Form::Function,
-        topic: Topic::Numbers,
-        summary,
-        parameters: vec![value_parameter("the number, or an array of numbers entry by entry")],
-        returns: "number",
-        example: format!("units(\"mm-N-t\");\nprint({name}(5)); // quantity(5, \"{unit}\")").into(),
-        see_also: &["quantity", "units"],
-        body: body(move |call| {
+    function(Topic::Numbers, name)
+        .summary(summary)
+        .parameters(vec![value_parameter("the number, or an array of numbers entry by entry")])
+        .returns("number")
+        .see_also(&["quantity", "units"])
+        .example(format!("units(\"mm-N-t\");\nprint({name}(5)); // quantity(5, \"{unit}\")"))
+        .body(move |call| {
             let unit = Unit::parse(unit).map_err(|error| refused_unit(call.fail(error.to_string()), &error))?;
             converted(call, &unit, UnitSet::value)
-        }),
-    }
+        })
 }
 
 fn unit_of(call: &Call) -> Result<Unit, Failure> {
