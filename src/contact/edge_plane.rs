@@ -48,9 +48,9 @@ pub fn is_in_front<const D: usize>(normal: SVector<f64, D>, mut around: impl Ite
     around.all(|to| normal.dot(&to.normalize()) >= -RECEDES)
 }
 
-/// Plane (point, normal) through an edge of an obstacle for a node at `x`. `facing`: the inward normals of the surface's facets at the node,
-/// not normalized; `size`: the smallest facet `[length]`. The normal is the direction nearest to that of a facet between the normals of the
-/// sides. `None` if the node overlaps the plane by more than the edge may.
+/// Plane (point, normal) through an edge of an obstacle for a node at `x`, or through the node if it overlaps that plane. `facing`: the inward
+/// normals of the surface's facets at the node, not normalized; `size`: the smallest facet `[length]`. The normal is the direction nearest to
+/// that of a facet between the normals of the sides. `None` if the node overlaps the plane by more than the edge may.
 pub fn plane_through<const D: usize>(
     at: &AtEdge<D>,
     facing: impl Iterator<Item = SVector<f64, D>>,

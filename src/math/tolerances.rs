@@ -1,11 +1,13 @@
 //! All tolerances of the program, with their meaning and the reason of their size.
 
+mod energies;
 mod friction;
 mod meshes;
 mod plasticity;
 mod steps;
 mod surfaces;
 
+pub use energies::*;
 pub use friction::*;
 pub use meshes::*;
 pub use plasticity::*;
@@ -109,11 +111,6 @@ pub const STRAIN_INCREMENT: f64 = 1e-8;
 /// Strain increment `|dE|` above which the difference quotient of the energy is accurate; below it, a five-point Lobatto rule replaces the
 /// quotient and is exact to round-off.
 pub const STRAIN_QUOTIENT: f64 = 5e-3;
-
-/// Size of strains up to which energies given as text, and their changes, are integrals of the stress by Simpson's rule: their terms of
-/// first order cancel, and leave round-off of `1e-16/|E|` of the energy. The error of the rule is `1e-16/2880` times the fourth derivative
-/// of the stress over its first one.
-pub const SMALL_STRAIN: f64 = 1e-4;
 
 /// Change of the mean volume ratio above which a difference quotient of the energy is used for energies with kinks in their slope. At this
 /// size, the square root of 1e-16, the round-off of the quotient equals the quadrature error at a kink.

@@ -105,22 +105,13 @@ where
         let scheme_history = self.scheme_history_after(start, motion, &at, &v_1, &outside.own);
         outside.add_jump(jump.as_ref(), &mut v_1);
         system.lead(&mut v_1);
-        let (momenta, old) = (system.nodes.momenta_of(&v_1), &self.state.row);
+        let old = &self.state.row;
         let reserve = jump.as_ref().map_or_else(|| self.state.reserve.clone(), |jump| jump.reserve.clone());
         let touched = touched(&active, jump.as_ref());
         let (memory, heats) = self.memory_after(start, &at)?;
-        let mut row = LedgerRow {
-            step: old.step + 1,
-            dt,
-            kinetic: half_product(&v_1, &momenta),
-            strain: system.strain_energy(&at.u_1, &memory),
-            reserve: reserve.iter().sum(),
-            active: system.touching(&touched),
-            momentum: system.nodes.resultant(&momenta),
-            angular_momentum: system.nodes.moment(&at.q_1, &momenta),
-            ..LedgerRow::default()
-        };
-        row.parts = system.part_totals(at.pose(), &v_1, &memory, &heats.all);
+        let accelerations = self.accelerations_to(&v_1, dt);
+        let mut row = self.row_at_end(dt, &at, [&v_1, &accelerations], (&memory, &heats), &touched);
+        row.reserve = reserve.iter().sum();
         [row.dissipation, row.damping, row.numerical] = heat(&heats.all, &row.parts, self.taken(start, &at, jump.as_ref()));
         row.impact = jump.as_ref().map_or(0.0, |jump| jump.impact);
         row.dissipation += row.impact;
@@ -135,18 +126,9 @@ where
         self.book_momentum_defects(&mut row, start, &at, &outside, jump.as_ref());
         let mut slipped = slipped(system, &self.state.slipped, &at, 0.0, (&lambda, &active));
         jump.iter().for_each(|jump| add_heat(&mut slipped, &jump.friction[system.normal_count..]));
-        let touching = EvaluatedContacts {
-            q: &at.q_1,
-            evaluations: &at.pairs,
-            slips: &at.slips,
-            lambda: &lambda,
-            active: &touched,
-            slipped: &slipped,
-        };
-        self.book_contacts(&mut row, &at.q_1, &touching, jump.as_ref(), &frictional);
+        let touching = EvaluatedContacts::of(&at, &lambda, &touched, &slipped);
+        self.book_contacts(&mut row, &touching, jump.as_ref(), &frictional);
         row.reactions = self.reactions_after(start, &at, &lambda, jump.as_ref())?;
-        let accelerations = self.accelerations_to(&v_1, dt);
-        row.probes = self.probe_values(&at.u_1, &v_1, &accelerations);
         let pushed = self.state.pushed + dt * at.forces.scale;
         row.work_round_off = self.work_round_off(pushed / (start.time + dt), &at.q_1);
         let state = State {
@@ -206,7 +188,6 @@ where
     pub(super) fn book_contacts(
         &self,
         row: &mut LedgerRow,
-        q: &[f64],
         touching: &EvaluatedContacts,
         jump: Option<&VelocityCorrection>,
         frictional: &[f64],
@@ -214,7 +195,7 @@ where
         let pressed = |jump: &VelocityCorrection| touching.lambda.iter().zip(&jump.lambda).map(|(lambda, jump)| lambda + jump).collect();
         let normal: Option<Vec<f64>> = jump.map(pressed);
         let touching = EvaluatedContacts { lambda: normal.as_deref().unwrap_or(touching.lambda), ..*touching };
-        row.contacts = self.contact_totals(q, &touching);
+        row.contacts = self.contact_totals(&touching);
         row.contacts.iter_mut().zip(frictional).for_each(|(contact, work)| contact.friction_work = *work);
         row.max_penetration = row.contacts.iter().map(|contact| contact.penetration).fold(0.0, f64::max);
     }
@@ -333,6 +314,31 @@ where
             let at_once = |jump: &VelocityCorrection| pair.tangential().map(|(row, _)| jump.friction[row]).sum::<f64>();
             slips.map(|block| block.friction_work(shear)).sum::<f64>() + jump.map_or(0.0, at_once)
         })
+    }
+
+    /// Row of the ledger at the end of a step with its energies, momenta and values of parts, without works and contacts. `histories`: history
+    /// variables of the parts and their heats; `touched`: contact state of every constraint.
+    pub(super) fn row_at_end(
+        &self,
+        dt: f64,
+        at: &Linearization,
+        [v_1, accelerations]: [&[f64]; 2],
+        (memory, heats): (&PartHistories, &PartDissipation),
+        touched: &[RowState],
+    ) -> LedgerRow {
+        let (system, momenta) = (&self.system, self.system.nodes.momenta_of(v_1));
+        LedgerRow {
+            step: self.state.row.step + 1,
+            dt,
+            kinetic: half_product(v_1, &momenta),
+            strain: system.strain_energy(&at.u_1, memory),
+            active: system.touching(touched),
+            momentum: system.nodes.resultant(&momenta),
+            angular_momentum: system.nodes.moment(&at.q_1, &momenta),
+            parts: system.part_totals(at.pose(), v_1, memory, &heats.all),
+            probes: self.probe_values(&at.u_1, v_1, accelerations),
+            ..LedgerRow::default()
+        }
     }
 
     /// Work of a force on the round-off of the positions `positions` `[energy]`.

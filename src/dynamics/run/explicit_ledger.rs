@@ -13,7 +13,6 @@ use super::state::State;
 use crate::bodies::{Elements, Space};
 use crate::dynamics::parts::contact_pair::PairKind;
 use crate::dynamics::parts::laws::RowState;
-use crate::dynamics::parts::nodal::half_product;
 use crate::dynamics::step::explicit::PartForces;
 use crate::dynamics::step::failure::Failure;
 use crate::dynamics::step::iterate::Linearization;
@@ -60,34 +59,15 @@ where
         let mut penalty_gap: Vec<f64> = at.pairs.iter().flat_map(|pair| pair.gap.iter().copied()).collect();
         penalty_gap.resize(system.multipliers, 0.0);
 
-        let momenta = system.nodes.momenta_of(&v_1);
         let accelerations = self.accelerations_to(&v_1, dt);
-        let mut row = LedgerRow {
-            step: old.row.step + 1,
-            dt,
-            kinetic: half_product(&v_1, &momenta),
-            strain: system.strain_energy(&at.u_1, &memory),
-            active: system.touching(&active),
-            momentum: system.nodes.resultant(&momenta),
-            angular_momentum: system.nodes.moment(&at.q_1, &momenta),
-            parts: system.part_totals(at.pose(), &v_1, &memory, &heats.all),
-            probes: self.probe_values(&at.u_1, &v_1, &accelerations),
-            ..LedgerRow::default()
-        };
+        let mut row = self.row_at_end(dt, &at, [&v_1, &accelerations], (&memory, &heats), &active);
         [row.dissipation, row.damping, _] = heat(&heats.all, &row.parts, 0.0);
         row.book_plastic(&system.bodies, &old.row, &heats.plastic);
         row.potential = self.potential(&at, &penalty_gap, &memory);
         self.book_explicit_work(&mut row, motion, &leap, &at, &forces, (&ends, &v_1));
         self.book_explicit_momenta(&mut row, start, &at, &ends);
-        let touching = EvaluatedContacts {
-            q: &at.q_1,
-            evaluations: &at.pairs,
-            slips: &at.slips,
-            lambda: &leap.lambda[1],
-            active: &active,
-            slipped: &[],
-        };
-        self.book_contacts(&mut row, &at.q_1, &touching, None, &[]);
+        let touching = EvaluatedContacts::of(&at, &leap.lambda[1], &active, &[]);
+        self.book_contacts(&mut row, &touching, None, &[]);
         let middle = |k: usize| 0.5 * (start.q_0[k] + at.q_1[k]);
         row.reactions = self.reactions(middle, |k| ends.reactions[0][k] + ends.reactions[1][k]);
 

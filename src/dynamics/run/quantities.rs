@@ -15,6 +15,7 @@ use crate::dynamics::parts::contact_pair::{ContactPair, PairKind};
 use crate::dynamics::parts::laws::RowState;
 use crate::dynamics::parts::nodal::{add_force, add_moment, half_product};
 use crate::dynamics::step::equations::Equations;
+use crate::dynamics::step::iterate::Linearization;
 
 /// Evaluated contact pairs with multipliers and states at a configuration.
 pub struct EvaluatedContacts<'a> {
@@ -30,6 +31,13 @@ pub struct EvaluatedContacts<'a> {
     pub active: &'a [RowState],
     /// Accumulated slip of the tangential constraints.
     pub slipped: &'a [SlipMemory],
+}
+
+impl<'a> EvaluatedContacts<'a> {
+    /// All pairs at the end of a step.
+    pub(super) fn of(at: &'a Linearization, lambda: &'a [f64], active: &'a [RowState], slipped: &'a [SlipMemory]) -> Self {
+        EvaluatedContacts { q: &at.q_1, evaluations: &at.pairs, slips: &at.slips, lambda, active, slipped }
+    }
 }
 
 impl<const D: usize> Engine<D>
@@ -277,11 +285,11 @@ where
         loaded(&self.system, index, &EvaluatedContacts { q, evaluations, slips, lambda, active, slipped })
     }
 
-    /// Sums over each contact at `q`.
-    pub fn contact_totals(&self, q: &[f64], touching: &EvaluatedContacts) -> Vec<ContactTotals> {
+    /// Sums over each contact.
+    pub fn contact_totals(&self, touching: &EvaluatedContacts) -> Vec<ContactTotals> {
         let of = |(index, _): (usize, &ContactPair)| {
             let (contact, corners) = loaded(&self.system, index, touching);
-            totals::<D>(contact, &corners, q)
+            totals::<D>(contact, &corners, touching.q)
         };
         self.system.contacts().map(of).collect()
     }

@@ -152,7 +152,7 @@ where
         self.system.lead_positions(&mut state.displacements, &mut state.positions);
         let State { positions: q, lambda, active, slipped, .. } = &*self.state;
         let touching = EvaluatedContacts { q, evaluations: &at.pairs, slips: &at.slips, lambda, active, slipped };
-        let contacts = self.contact_totals(q, &touching);
+        let contacts = self.contact_totals(&touching);
         let reaction = |k: usize| at.forces.whole(at.forces.residual(k));
         let mut reactions = self.reactions(|k| q[k], reaction);
         reactions.extend(self.coupling_reactions(|k| q[k], &at, lambda, self.state.row.time)?);

@@ -10,6 +10,7 @@ use std::hint::black_box;
 use super::graph::{Graph, Id, Node};
 use super::variable::Variable;
 use crate::math::lanes::{Lanes, Real, WIDTH};
+use crate::math::tolerances::KINK_NEAR_REST;
 
 /// Computes a value at each point.
 macro_rules! each {
@@ -20,9 +21,6 @@ macro_rules! each {
         }
     };
 }
-
-/// Value at zero strain of an operation's argument below which its sign may change at a small strain.
-const NEAR_REST: f64 = 1e-2;
 
 /// Index of a result among all results.
 type Register = usize;
@@ -116,7 +114,7 @@ impl Tape {
 
     /// True if such a slope jumps at a strain that is small but not zero.
     pub(super) fn has_kinks_near_rest(&self) -> bool {
-        let is_near = |rest: f64| (8.0 * f64::EPSILON..NEAR_REST).contains(&rest.abs());
+        let is_near = |rest: f64| (8.0 * f64::EPSILON..KINK_NEAR_REST).contains(&rest.abs());
         self.operations[..self.stages[0]].iter().any(|operation| matches!(operation, Operation::Positive(operand) if is_near(operand.rest)))
     }
 }
