@@ -27,6 +27,9 @@ const TIP: f64 = 0.707;
 /// Largest number of sides at an edge or vertex that are considered.
 const SIDES: usize = 4;
 
+/// Cosine of the angle between a facet and a side of the obstacle, 1 degree, above which the facet lies along the side.
+const ALONG: f64 = 0.999_8;
+
 /// Cosine of the angle between normals below which both are those of one side.
 const ALIKE: f64 = 0.999_999;
 
@@ -48,9 +51,10 @@ pub fn is_in_front<const D: usize>(normal: SVector<f64, D>, mut around: impl Ite
     around.all(|to| normal.dot(&to.normalize()) >= -RECEDES)
 }
 
-/// Plane (point, normal) through an edge of an obstacle for a node at `x`, or through the node if it overlaps that plane. `facing`: the inward
-/// normals of the surface's facets at the node, not normalized; `size`: the smallest facet `[length]`. The normal is the direction nearest to
-/// that of a facet between the normals of the sides. `None` if the node overlaps the plane by more than the edge may.
+/// Plane (point, normal) through an edge of an obstacle for a node at `x`. The normal is the direction nearest to that of a facet between
+/// the normals of the sides. If it is that of a side, the plane is this side; otherwise it goes through the node where that overlaps: the
+/// overlap is kept. `None` if a facet lies along a side, as at the edge of a flat punch, or if the node overlaps the plane by more than the
+/// edge may. `facing`: the inward normals of the surface's facets at the node, not normalized; `size`: the smallest facet `[length]`.
 pub fn plane_through<const D: usize>(
     at: &AtEdge<D>,
     facing: impl Iterator<Item = SVector<f64, D>>,
@@ -64,11 +68,18 @@ pub fn plane_through<const D: usize>(
             distinct.push(*normal);
         }
     }
-    let faced = facing.filter_map(|normal| normal.try_normalize(0.0)).max_by(|a, b| a.dot(&own).total_cmp(&b.dot(&own)))?;
-    let normal = nearest_between(&distinct, faced)?;
+    let facing: Vec<SVector<f64, D>> = facing.filter_map(|normal| normal.try_normalize(0.0)).collect();
+    let lies_along = |direction: &SVector<f64, D>| distinct.iter().find(|normal| normal.dot(direction) > ALONG);
+    if facing.iter().any(|direction| lies_along(direction).is_some()) {
+        return None;
+    }
+    let between = nearest_between(&distinct, facing.into_iter().max_by(|a, b| a.dot(&own).total_cmp(&b.dot(&own)))?)?;
+    let side = lies_along(&between);
+    let normal = side.copied().unwrap_or(between);
     let point = *at.edge.iter().max_by(|a, b| a.dot(&normal).total_cmp(&b.dot(&normal)))?;
     let gap = normal.dot(&(x - point));
-    (gap >= -DEEP * size).then(|| [point + normal * gap.min(0.0), normal])
+    let kept = if side.is_some() { 0.0 } else { gap.min(0.0) };
+    (gap >= -DEEP * size).then(|| [point + normal * kept, normal])
 }
 
 /// True if a sharp edge of another body, which has constraints of its own against the facets of the node, passes a node of a smooth part of
