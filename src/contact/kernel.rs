@@ -68,8 +68,8 @@ pub trait PatchFunctions {
         self.secondary().nodes()
     }
 
-    /// Node to which output at the positions `_q` assigns the multiplier of constraint `row`, if the constraint acts on nodes other than those
-    /// of the surface (masters of a rigid body).
+    /// Node to which output at the positions `_q` assigns the multiplier of constraint `row`, if the constraint acts on nodes other than
+    /// those of the surface (masters of a rigid body).
     fn shown_at(&self, _row: usize, _q: &[f64]) -> Option<u32> {
         None
     }
