@@ -316,8 +316,8 @@ where
         })
     }
 
-    /// Row of the ledger at the end of a step with its energies, momenta and values of parts, without works and contacts. `memory`, `heats`:
-    /// history variables of the parts and their heats; `touched`: contact state of every constraint.
+    /// Row of the ledger at the end of a step with its energies, momenta and values of parts, without works and contacts. `memory`,
+    /// `heats`: history variables of the parts and their heats; `touched`: contact state of every constraint.
     pub(super) fn row_at_end(
         &self,
         dt: f64,
