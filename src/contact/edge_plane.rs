@@ -2,8 +2,9 @@
 //!
 //! Where the edge lies between two nodes of the surface, a constraint of the edge against the facet acts along the facet's normal
 //! (`rigid_corners.rs`), with a small admitted overlap. As the edge passes a node, this node lies behind both sides of the obstacle.
-//! The force of either side would have another direction; that of the side ahead would stop the motion. In a step that begins so the
-//! constraint of the node acts along the surface's normal as well, from a plane through the edge.
+//! The force of either side would have another direction; that of the side ahead would stop the motion. In a step that begins like this,
+//! the constraint of a node against an obstacle acts along the surface's normal, too: its gap is that to a plane through the edge. In
+//! node-to-segment contact of two bodies the node has no constraint in this step. Both need the constraint of the edge.
 
 use nalgebra::{DMatrix, DVector, SVector};
 
@@ -30,7 +31,7 @@ const SIDES: usize = 4;
 /// Cosine of the angle between a facet and a side of the obstacle, 1 degree, above which the facet lies along the side.
 const ALONG: f64 = 0.999_8;
 
-/// Cosine of the angle between normals below which both are those of one side.
+/// Cosine of the angle between two normals from which on both belong to one side.
 const ALIKE: f64 = 0.999_999;
 
 /// Sides of an obstacle at a sharp edge or convex corner near a node.
@@ -51,17 +52,22 @@ pub fn is_in_front<const D: usize>(normal: SVector<f64, D>, mut around: impl Ite
     around.all(|to| normal.dot(&to.normalize()) >= -RECEDES)
 }
 
-/// Plane (point, normal) through an edge of an obstacle for a node at `x`. The normal is the direction nearest to that of a facet between
-/// the normals of the sides. If it is that of a side, the plane is this side; otherwise it goes through the node where that overlaps: the
-/// overlap is kept. `None` if a facet lies along a side, as at the edge of a flat punch, or if the node overlaps the plane by more than the
-/// edge may. `facing`: the inward normals of the surface's facets at the node, not normalized; `size`: the smallest facet `[length]`.
+/// Plane (point, normal) through an edge of an obstacle for a node at `x` that is not in front of its own side. The normal is the direction
+/// nearest to that of a facet between the normals of the sides. If it is that of a side, the plane is this side; otherwise it goes through
+/// the node where that overlaps: the overlap is kept. `None` if the node is in front of its side, if a facet lies along a side, as at the
+/// edge of a flat punch, or if the node overlaps the plane by more than the edge may. `around`: as for [`is_in_front`]; `facing`: the inward
+/// normals of the surface's facets at the node, not normalized; `size`: the smallest facet `[length]`.
 pub fn plane_through<const D: usize>(
     at: &AtEdge<D>,
+    around: impl Iterator<Item = SVector<f64, D>>,
     facing: impl Iterator<Item = SVector<f64, D>>,
     x: SVector<f64, D>,
     size: f64,
 ) -> Option<[SVector<f64, D>; 2]> {
     let own = *at.normals.first()?;
+    if is_in_front(own, around) {
+        return None;
+    }
     let mut distinct: Vec<SVector<f64, D>> = Vec::new();
     for normal in &at.normals {
         if distinct.len() < SIDES && distinct.iter().all(|other| other.dot(normal) < ALIKE) {
@@ -93,10 +99,7 @@ pub fn is_passed<const D: usize>(
     size: f64,
 ) -> bool {
     let bends = |normals: &[SVector<f64, D>], cosine: f64| normals.iter().any(|normal| normal.dot(&normals[0]) < cosine);
-    bends(&at.normals, CORNER_BESIDE_NODES)
-        && !bends(facing, TIP)
-        && !is_in_front(at.normals[0], around)
-        && plane_through(at, facing.iter().copied(), x, size).is_some()
+    bends(&at.normals, CORNER_BESIDE_NODES) && !bends(facing, TIP) && plane_through(at, around, facing.iter().copied(), x, size).is_some()
 }
 
 /// Unit vector nearest to `direction` among the nonnegative combinations of unit vectors: of the least-squares solutions of every set of up
@@ -144,7 +147,8 @@ mod tests {
         let edge = vec![Vector2::zeros()];
         let normals = vec![Vector2::new(-1.0, 0.0), Vector2::new(0.0, 1.0)];
         let (at, facing) = (AtEdge { points: vec![edge[0]; 2], normals, edge, distance: 0.0 }, Vector2::new(-0.6, 0.8));
-        let plane = |depth: f64| plane_through(&at, std::iter::once(facing), -depth * facing, 1.0);
+        let along = || [Vector2::new(0.8, 0.6), Vector2::new(-0.8, -0.6)].into_iter();
+        let plane = |depth: f64| plane_through(&at, along(), std::iter::once(facing), -depth * facing, 1.0);
         assert!(plane(0.02).is_some() && plane(0.08).is_none());
     }
 }

@@ -136,6 +136,10 @@ pub trait PatchFunctions {
     /// Sets the height profiles of the facets of both sides in the plane; ignored by methods for straight facets.
     fn set_profiles(&mut self, _profiles: [Vec<Profile>; 2]) {}
 
+    /// States that edges and corners of the other side have constraints of their own against the facets of this contact, so that a node
+    /// which an edge passes needs none of its own (`edge_plane.rs`). Contacts by penalty, equalities and self-contact have none.
+    fn stand_beside_corners(&mut self) {}
+
     /// Provides threads for the evaluation of contact elements; results do not depend on their number.
     fn share_among(&mut self, _workers: &Workers) {}
 

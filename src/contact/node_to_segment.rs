@@ -67,6 +67,8 @@ pub struct NodeToSegment {
     points: Surface,
     /// Selection of corners; `None`: contact of all secondary nodes.
     corners: Option<Corners>,
+    /// True if the corners of the primary side have constraints of their own.
+    is_beside_corners: bool,
     candidates: Candidates,
     window: Window,
     /// Primary facets of each contact element, ascending: candidates, their neighbors and next neighbors.
@@ -156,6 +158,7 @@ impl NodeToSegment {
             sides,
             points,
             corners: None,
+            is_beside_corners: false,
             candidates,
             window,
             facets: Vec::new(),
@@ -293,7 +296,7 @@ impl NodeToSegment {
     fn crossed(&self, p: usize, start: &PointStart, q: &[f64]) -> Option<Option<u32>> {
         let measure = start.chain.measure(&start.positions, &start.closest)?;
         if self.corners.is_none() {
-            return self.is_passed(self.point(p), &measure, start, q).then_some(None);
+            return (self.is_beside_corners && self.is_passed(self.point(p), &measure, start, q)).then_some(None);
         }
         // If corners of the other side have no constraints, the usual gap applies.
         let Some(Corners::Bends { is_mutual: true, .. }) = self.corners else { return None };
@@ -391,6 +394,10 @@ impl PatchFunctions for NodeToSegment {
             self.sides.patches.rows(p).iter().for_each(|&row| slacks[row as usize] = start.slack);
         }
         slacks
+    }
+
+    fn stand_beside_corners(&mut self) {
+        self.is_beside_corners = true;
     }
 
     fn begin_step(&mut self, q_0: &[f64]) {

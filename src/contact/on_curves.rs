@@ -309,6 +309,10 @@ impl PatchFunctions for OnCurves {
         self.inner.turn_about_axis();
     }
 
+    fn stand_beside_corners(&mut self) {
+        self.inner.stand_beside_corners();
+    }
+
     fn share_among(&mut self, workers: &Workers) {
         self.inner.share_among(workers);
     }

@@ -42,6 +42,8 @@ pub struct RigidContact {
     start: Vec<[f64; 2]>,
     /// Arcs of the nodes on convex curves, which touch instead of the nodes.
     arcs: Vec<Option<NodeArc>>,
+    /// True if the corners of a polyline have constraints of their own against the facets.
+    is_beside_corners: bool,
     /// True for nodes without constraints: those inside of round parts of a rigid body, which `rolling.rs` constrains instead.
     is_hidden: Vec<bool>,
     /// For nodes that start at a convex corner of a polyline: the straight line of their side, or one through the corner (`edge_plane.rs`),
@@ -70,6 +72,7 @@ impl RigidContact {
             carried: Default::default(),
             start,
             arcs: vec![None; sides_count],
+            is_beside_corners: false,
             is_hidden,
             lines,
         }
@@ -105,13 +108,9 @@ impl RigidContact {
         let others =
             adjacent.clone().flat_map(|facet| surface.local_facets()[facet]).map(|other| other as usize).filter(|&other| other != row);
         let around = others.map(|other| Vector2::from(self.position(other, q_0, self.translations[0])) - Vector2::from(x));
-        let own = (at.distance <= AT_CORNER * size).then(|| [at.points[0], at.normals[0]]);
-        let plane = if edge_plane::is_in_front(at.normals[0], around) {
-            own
-        } else {
-            let facing = adjacent.map(|facet| -Vector2::from_column_slice(&surface.outward(facet, q_0)));
-            edge_plane::plane_through(&at, facing, x.into(), size).or(own)
-        };
+        let facing = adjacent.map(|facet| -Vector2::from_column_slice(&surface.outward(facet, q_0)));
+        let through_corner = edge_plane::plane_through(&at, around, facing, x.into(), size).filter(|_| self.is_beside_corners);
+        let plane = through_corner.or_else(|| (at.distance <= AT_CORNER * size).then(|| [at.points[0], at.normals[0]]));
         plane.map(|[point, normal]| PlaneOutline::HalfPlane { point: point.into(), normal: normal.into() })
     }
 
@@ -237,6 +236,10 @@ impl PatchFunctions for RigidContact {
     fn owns(&self, _p: usize, _node: u32) -> bool {
         // All nodes of an arc belong to the surface.
         true
+    }
+
+    fn stand_beside_corners(&mut self) {
+        self.is_beside_corners = true;
     }
 
     fn begin_step(&mut self, q_0: &[f64]) {

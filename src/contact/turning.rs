@@ -229,6 +229,10 @@ impl PatchFunctions for TurningContact {
         self.inner.turn_about_axis();
     }
 
+    fn stand_beside_corners(&mut self) {
+        self.inner.stand_beside_corners();
+    }
+
     fn set_profiles(&mut self, profiles: [Vec<Profile>; 2]) {
         self.inner.set_profiles(profiles);
     }

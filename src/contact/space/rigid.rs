@@ -50,6 +50,8 @@ pub struct RigidInSpace {
     start: Vec<Vector3<f64>>,
     /// Nodes connected to each node by an edge.
     neighbors: Vec<Vec<usize>>,
+    /// True if sharp edges of the obstacle have constraints of their own against the facets.
+    is_beside_corners: bool,
     /// True for nodes or points without constraints: those inside of round parts of a rigid body, which `contact/rolling.rs` constrains
     /// instead.
     is_hidden: Vec<bool>,
@@ -88,6 +90,7 @@ impl RigidInSpace {
         }
         let mut contact = RigidInSpace {
             heights: vec![0.0; sides.secondary.nodes().len()],
+            is_beside_corners: false,
             is_hidden: vec![false; sides.secondary.nodes().len()],
             sides,
             shape,
@@ -113,7 +116,8 @@ impl RigidInSpace {
     fn select_obstacle_sides(&mut self) {
         let (size, shift) = (self.sides.facet_size, Vector3::from(self.translations[0]));
         let mut obstacle_sides = vec![None; self.sides.weights.len()];
-        let positions: Vec<f64> = self.start.iter().flatten().copied().collect();
+        let has_edges = matches!(self.shape, Shape::Facets(_));
+        let positions: Vec<f64> = self.start.iter().filter(|_| has_edges).flatten().copied().collect();
         for (index, of_node) in obstacle_sides.chunks_exact_mut(self.slots).enumerate().filter(|(index, _)| !self.is_hidden[*index]) {
             let x = self.start[index] - shift;
             of_node[0] = Some(self.shape.clone());
@@ -140,16 +144,14 @@ impl RigidInSpace {
     /// obstacle. `positions`: those of the surface's nodes at the start of the step.
     fn plane_at_edge(&self, index: usize, positions: &[f64], at: Option<AtEdge<3>>) -> Option<Shape> {
         let (at, size) = (at?, self.sides.facet_size);
-        let is_in_front = |normal: &Vector3<f64>| {
-            edge_plane::is_in_front(*normal, self.neighbors[index].iter().map(|&other| self.start[other] - self.start[index]))
-        };
+        let around = || self.neighbors[index].iter().map(|&other| self.start[other] - self.start[index]);
         let mut planes = at.points.iter().zip(&at.normals).map(|(point, normal)| [*point, *normal]);
-        let of_face = if at.distance <= AT_EDGE * size { planes.find(|[_, normal]| is_in_front(normal)) } else { None };
+        let of_face = planes.find(|[_, normal]| at.distance <= AT_EDGE * size && edge_plane::is_in_front(*normal, around()));
         let through_edge = || {
             let adjacent = self.sides.secondary.adjacent_facets(index).iter();
             let corners = |facet: u32| self.sides.secondary.local_facet(facet as usize);
             let facing = adjacent.map(|&facet| -faces::area_vector(corners(facet), positions));
-            edge_plane::plane_through(&at, facing, self.begins(index), size).filter(|_| !is_in_front(&at.normals[0]))
+            edge_plane::plane_through(&at, around(), facing, self.begins(index), size).filter(|_| self.is_beside_corners)
         };
         of_face.or_else(through_edge).map(|[point, normal]| Shape::Plane { point, normal })
     }
@@ -205,6 +207,10 @@ impl PatchFunctions for RigidInSpace {
 
     fn is_nodal(&self) -> bool {
         true
+    }
+
+    fn stand_beside_corners(&mut self) {
+        self.is_beside_corners = true;
     }
 
     fn begin_step(&mut self, q_0: &[f64]) {

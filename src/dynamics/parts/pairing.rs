@@ -43,6 +43,7 @@ pub fn contact_pairs(
     let mut pairs = made.contacts();
     let corners = made.corners(&pairs);
     let rolling: Vec<ContactPair> = (0..pairs.len()).filter_map(|of| made.rolling(of)).collect();
+    corners.iter().filter_map(|pair| pair.corners).for_each(|corners| pairs[corners.pair].kernel.stand_beside_corners());
     pairs.extend(corners);
     pairs.extend(rolling);
     pairs.extend(points);
