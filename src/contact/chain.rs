@@ -13,7 +13,7 @@
 
 use nalgebra::{SVector, Vector2};
 
-use super::edge_plane::AtEdge;
+use super::edge_plane::{ACROSS_EDGE, AtEdge};
 use super::numbers::Number;
 use super::profile::Profile;
 use crate::math::tolerances::CHAIN_END;
@@ -27,6 +27,9 @@ pub struct Chain {
     /// Height profiles of the facets; empty for straight facets.
     profiles: Vec<Profile>,
 }
+
+/// Distance of a point from a node, in facet sizes, at which the point is at the node: twice the admitted overlap of corners.
+const AT_NODE: f64 = 0.04;
 
 const NONE: u32 = u32::MAX;
 
@@ -181,6 +184,17 @@ impl Chain {
         let mut branches = [[facet, side as u32], [neighbor, 1 - side as u32]];
         branches.sort_unstable();
         (if side == 1 { turn < -sine } else { turn > sine }).then_some(branches)
+    }
+
+    /// Facet whose line represents the chain for a point that passes a node in this step; `size` is the facet size `[length]`. At the node
+    /// itself it is the first of both facets, so that the choice does not alternate.
+    pub fn facet_at_node(&self, measure: &Measure, z: &[f64], size: f64) -> Option<u32> {
+        let own = measure.facet as usize;
+        let distances = self.facets[own].map(|node| (z[0] - z[2 * node as usize]).hypot(z[1] - z[2 * node as usize + 1]));
+        let end = usize::from(distances[1] < distances[0]);
+        let beside = self.neighbors[own][end];
+        let facet = if distances[end] <= AT_NODE * size { measure.facet.min(beside) } else { measure.facet };
+        (measure.covered && beside != NONE && distances[end] <= ACROSS_EDGE * size).then_some(facet)
     }
 
     /// Sides of the chain at its convex corner within `near` of the point, whose gap is `measure`.

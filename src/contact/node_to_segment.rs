@@ -298,8 +298,12 @@ impl NodeToSegment {
         if self.corners.is_none() {
             return (self.is_beside_corners && self.is_passed(self.point(p), &measure, start, q)).then_some(None);
         }
-        // If corners of the other side have no constraints, the usual gap applies.
-        let Some(Corners::Bends { is_mutual: true, .. }) = self.corners else { return None };
+        // If corners of the other side have no constraints, the usual gap applies, to one facet if the corner passes a node in this step.
+        let Some(Corners::Bends { is_mutual, .. }) = self.corners else { return None };
+        if !is_mutual {
+            let facet = start.chain.facet_at_node(&measure, &start.positions, self.sides.facet_size)?;
+            return self.pocket(start).is_none().then_some(Some(facet));
+        }
         let tip = self.tip(self.point(p), q)?;
         let distance = |tip: &Tip| (tip.at[0] - start.positions[0]).hypot(tip.at[1] - start.positions[1]);
         let tips = start.chain.corners().filter(|(facets, _)| facets.contains(&measure.facet)).map(|(facets, nodes)| {
