@@ -18,6 +18,10 @@ pub const ACROSS_EDGE: f64 = 0.1;
 /// has entered through a side.
 const DEEP: f64 = 0.05;
 
+/// Distance from the plane, in smallest facets, up to which a node touches it: the plane of a facet that turns about the edge from step to
+/// step would otherwise leave the node, which then enters by a step before it is held again.
+const TOUCHES: f64 = 0.005;
+
 /// Largest cosine by which the surface next to a node may recede behind a side of the obstacle that is in front of the node.
 const RECEDES: f64 = 0.1;
 
@@ -52,11 +56,11 @@ pub fn is_in_front<const D: usize>(normal: SVector<f64, D>, mut around: impl Ite
     around.all(|to| normal.dot(&to.normalize()) >= -RECEDES)
 }
 
-/// Plane (point, normal) through an edge of an obstacle for a node at `x` that is not in front of its own side. The normal is the direction
-/// nearest to that of a facet between the normals of the sides. If it is that of a side, the plane is this side; otherwise it goes through
-/// the node where that overlaps: the overlap is kept. `None` if the node is in front of its side, if a facet lies along a side, as at the
-/// edge of a flat punch, or if the node overlaps the plane by more than the edge may. `around`: as for [`is_in_front`]; `facing`: the inward
-/// normals of the surface's facets at the node, not normalized; `size`: the smallest facet `[length]`.
+/// Plane (point, normal) through an edge of an obstacle for a node at `x` that is not in front of its own side. The normal is the
+/// direction nearest to that of a facet between the normals of the sides. If it is that of a side, the plane is this side; otherwise it
+/// goes through the node where that touches or overlaps: the overlap is kept. `None` if the node is in front of its side, if a facet lies
+/// along a side, as at the edge of a flat punch, or if the node overlaps the plane by more than the edge may. `around`: as for
+/// [`is_in_front`]; `facing`: the inward normals of the surface's facets at the node, not normalized; `size`: the smallest facet `[length]`.
 pub fn plane_through<const D: usize>(
     at: &AtEdge<D>,
     around: impl Iterator<Item = SVector<f64, D>>,
@@ -84,7 +88,7 @@ pub fn plane_through<const D: usize>(
     let normal = side.copied().unwrap_or(between);
     let point = *at.edge.iter().max_by(|a, b| a.dot(&normal).total_cmp(&b.dot(&normal)))?;
     let gap = normal.dot(&(x - point));
-    let kept = if side.is_some() { 0.0 } else { gap.min(0.0) };
+    let kept = if side.is_some() || gap > TOUCHES * size { 0.0 } else { gap };
     (gap >= -DEEP * size).then(|| [point + normal * kept, normal])
 }
 

@@ -301,8 +301,8 @@ impl NodeToSegment {
         // If corners of the other side have no constraints, the usual gap applies, to one facet if the corner passes a node in this step.
         let Some(Corners::Bends { is_mutual, .. }) = self.corners else { return None };
         if !is_mutual {
-            let facet = start.chain.facet_at_node(&measure, &start.positions, self.sides.facet_size)?;
-            return self.pocket(start).is_none().then_some(Some(facet));
+            let facet = start.chain.facet_at_node(&measure, &start.positions, self.sides.facet_size);
+            return facet.filter(|_| self.pocket(start).is_none()).map(Some);
         }
         let tip = self.tip(self.point(p), q)?;
         let distance = |tip: &Tip| (tip.at[0] - start.positions[0]).hypot(tip.at[1] - start.positions[1]);

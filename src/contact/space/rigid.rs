@@ -151,9 +151,10 @@ impl RigidInSpace {
             let adjacent = self.sides.secondary.adjacent_facets(index).iter();
             let corners = |facet: u32| self.sides.secondary.local_facet(facet as usize);
             let facing = adjacent.map(|&facet| -faces::area_vector(corners(facet), positions));
-            edge_plane::plane_through(&at, around(), facing, self.begins(index), size).filter(|_| self.is_beside_corners)
+            edge_plane::plane_through(&at, around(), facing, self.begins(index), size)
         };
-        of_face.or_else(through_edge).map(|[point, normal]| Shape::Plane { point, normal })
+        let is_across = self.is_beside_corners && at.distance > AT_EDGE * size;
+        of_face.or_else(|| through_edge().filter(|_| is_across)).map(|[point, normal]| Shape::Plane { point, normal })
     }
 
     /// Position of a node relative to the obstacle displaced by `translation`.
