@@ -60,7 +60,8 @@ pub fn is_in_front<const D: usize>(normal: SVector<f64, D>, mut around: impl Ite
 /// direction nearest to that of a facet between the normals of the sides. If it is that of a side, the plane is this side; otherwise it
 /// goes through the node where that touches or overlaps: the overlap is kept. `None` if the node is in front of its side, if a facet lies
 /// along a side, as at the edge of a flat punch, or if the node overlaps the plane by more than the edge may. `around`: as for
-/// [`is_in_front`]; `facing`: the inward normals of the surface's facets at the node, not normalized; `size`: the smallest facet `[length]`.
+/// [`is_in_front`]; `facing`: the inward normals of the surface's facets at the node, not normalized; `size`: the smallest facet
+/// `[length]`.
 pub fn plane_through<const D: usize>(
     at: &AtEdge<D>,
     around: impl Iterator<Item = SVector<f64, D>>,

@@ -216,18 +216,6 @@ impl NodeToSegment {
         self.sides.secondary.adjacent_facets(point)
     }
 
-    /// Outward normals of the facets adjacent to a point at `q`.
-    fn normals(&self, point: usize, q: &[f64]) -> Vec<[f64; 2]> {
-        let facets = self.own_facets(point).iter().map(|&facet| self.sides.secondary.facets()[facet as usize]);
-        let normal = |[a, b]: [u32; 2]| {
-            let (a, b) = (2 * a as usize, 2 * b as usize);
-            let t = [q[b] - q[a], q[b + 1] - q[a + 1]];
-            let length = t[0].hypot(t[1]);
-            [t[1] / length, -t[0] / length]
-        };
-        facets.map(normal).collect()
-    }
-
     /// True if a primary facet may be opposite a point in this step.
     fn admits(&self, point: usize, facet: u32, normals: &[[f64; 2]], predicted_motion: &PredictedMotion) -> bool {
         let (node, ends) = (self.points.nodes()[point], self.sides.primary.facets()[facet as usize]);
@@ -245,7 +233,7 @@ impl NodeToSegment {
     /// Participating facets and nodes of contact element `p` in this step.
     fn prepare(&self, p: usize, predicted_motion: &PredictedMotion) -> PointStart {
         let (point, nodes, primary) = (self.point(p), self.sides.patches.nodes(p), &self.sides.primary);
-        let normals = self.normals(point, predicted_motion.q);
+        let normals = self.sides.secondary.normals_at(point, predicted_motion.q);
         let is_admitted = |facet: u32| {
             self.candidates.pairs().binary_search(&[point as u32, facet]).is_ok() && self.admits(point, facet, &normals, predicted_motion)
         };
@@ -326,7 +314,8 @@ impl NodeToSegment {
         let (size, Some(tip)) = (self.sides.facet_size, self.tip(point, q)) else { return false };
         let Some(at) = start.chain.at_corner(measure, &start.positions, ACROSS_EDGE * size) else { return false };
         let around = [tip.before, tip.after].map(|node| Vector2::from(node) - Vector2::from(tip.at)).into_iter();
-        let facing: Vec<Vector2<f64>> = self.normals(point, q).into_iter().map(|normal| -Vector2::from(normal)).collect();
+        let facing: Vec<Vector2<f64>> =
+            self.sides.secondary.normals_at(point, q).into_iter().map(|normal| -Vector2::from(normal)).collect();
         edge_plane::is_passed(&at, around, &facing, tip.at.into(), size)
     }
 
@@ -468,7 +457,7 @@ impl CandidateSearch for NodeToSegment {
                     start.chain.facets().iter().zip(&start.closest).any(|(local, closest)| *closest && is_it(local)) || start.is_excluded
                 });
                 !was && self.slack_beside(point, &[facet]).is_some()
-                    && self.admits(point, facet, &self.normals(point, q_0), &predicted_motion)
+                    && self.admits(point, facet, &self.sides.secondary.normals_at(point, q_0), &predicted_motion)
             }
         })
     }

@@ -282,6 +282,17 @@ impl Surface {
         }
     }
 
+    /// Outward unit normals of the facets of a plane surface at the node of that index, for the positions `q`.
+    pub fn normals_at(&self, index: usize, q: &[f64]) -> Vec<[f64; 2]> {
+        let normal = |&facet: &u32| {
+            let [a, b] = self.facets()[facet as usize].map(|node| 2 * node as usize);
+            let t = [q[b] - q[a], q[b + 1] - q[a + 1]];
+            let length = t[0].hypot(t[1]);
+            [t[1] / length, -t[0] / length]
+        };
+        self.adjacent_facets(index).iter().map(normal).collect()
+    }
+
     /// Nodal shares `int N_A dA` of a facet at the positions `q` `[length^(D-1)]`.
     fn shares(&self, facet: usize, q: &[f64]) -> Vec<f64> {
         if self.dimension == 2 { vec![0.5 * self.facet_measure(facet, q); 2] } else { faces::shares(self.facet(facet), q) }
