@@ -28,8 +28,9 @@ pub struct Chain {
     profiles: Vec<Profile>,
 }
 
-/// Distance of a point from a node, in facet sizes, at which the point is at the node: twice the admitted overlap of corners.
-const AT_NODE: f64 = 0.04;
+/// Distance from a node along the facet, relative to its length, up to which a point is at the node. A tip in equilibrium at a node stays
+/// there to the tolerance of the solution; with 0.04 a motion and its mirror image differed.
+const AT_NODE: f64 = 0.003;
 
 const NONE: u32 = u32::MAX;
 
@@ -193,7 +194,8 @@ impl Chain {
         let distances = self.facets[own].map(|node| (z[0] - z[2 * node as usize]).hypot(z[1] - z[2 * node as usize + 1]));
         let end = usize::from(distances[1] < distances[0]);
         let beside = self.neighbors[own][end];
-        let facet = if distances[end] <= AT_NODE * size { measure.facet.min(beside) } else { measure.facet };
+        let is_at_node = (self.coordinate(own, z) - end as f64).abs() <= AT_NODE;
+        let facet = if is_at_node { measure.facet.min(beside) } else { measure.facet };
         (measure.covered && beside != NONE && distances[end] <= ACROSS_EDGE * size).then_some(facet)
     }
 
