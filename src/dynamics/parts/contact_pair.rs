@@ -261,6 +261,11 @@ impl ContactPair {
         self.law.has_multiplier()
     }
 
+    /// True if the constraints have no force and only measure penetration: corners of contacts with penalties.
+    pub fn only_measures(&self) -> bool {
+        self.corners.is_some() && !self.has_multipliers() && self.penalties.iter().all(|&stiffness| stiffness == 0.0)
+    }
+
     /// True if multipliers enforce the constraints and are nonnegative.
     pub fn is_unilateral(&self) -> bool {
         self.law.has_multiplier() && !self.law.is_bilateral()

@@ -43,7 +43,8 @@ pub fn contact_pairs(
     let mut pairs = made.contacts();
     let corners = made.corners(&pairs);
     let rolling: Vec<ContactPair> = (0..pairs.len()).filter_map(|of| made.rolling(of)).collect();
-    corners.iter().filter_map(|pair| pair.corners).for_each(|corners| pairs[corners.pair].kernel.stand_beside_corners());
+    let holding = corners.iter().filter(|pair| !pair.only_measures()).filter_map(|pair| pair.corners);
+    holding.for_each(|corners| pairs[corners.pair].kernel.stand_beside_corners());
     pairs.extend(corners);
     pairs.extend(rolling);
     pairs.extend(points);
@@ -246,7 +247,7 @@ impl Pairing<'_> {
 
     /// Pairs of the corner constraints of contacts, for penetration that their weighted gaps do not detect.
     fn corners(&self, pairs: &[ContactPair]) -> Vec<ContactPair> {
-        let has_corners = |of: usize| pairs[of].is_unilateral();
+        let has_corners = |of: usize| pairs[of].is_unilateral() || !pairs[of].has_multipliers();
         let size = |of: usize| pairs[of].kernel.facet_size();
         let mut corners = Vec::new();
         let mut add = |of: usize, kind: PairKind, body: usize, slack: f64, kernel: Box<dyn ContactKernel>| {
@@ -257,7 +258,12 @@ impl Pairing<'_> {
             (pair.corners, pair.augmentation) = (Some(belongs), Some(factor));
             (pair.update, pair.motion, pair.turn) = (owner.update, owner.motion.clone(), owner.turn.clone());
             pair.restitution = owner.restitution;
-            pair.add_friction(&self.model.interactions[of]);
+            if owner.has_multipliers() {
+                pair.add_friction(&self.model.interactions[of]);
+            } else {
+                // A potential of the corner's gap would change where the corner passes a node, without work: only the depth is measured.
+                pair.penalize(0.0, self.reference, false);
+            }
             corners.push(pair);
         };
         for (of, interaction) in self.model.interactions.iter().enumerate().filter(|&(of, _)| has_corners(of)) {

@@ -204,7 +204,7 @@ impl RunFinding {
             }
             RunFindingKind::Depth => {
                 "an overlap at the start is never driven apart: start without, or begin at rest; one that came later is less with a \
-                 smaller dt, or a larger penalty"
+                 smaller dt, or a larger penalty; corners between nodes are held by multipliers, not by penalties"
             }
             RunFindingKind::EnergyTaken => {
                 "the update rule `persistency` keeps the energy, `velocity` all but what slides off its contact; with `gap` or explicit \

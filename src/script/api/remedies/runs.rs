@@ -73,7 +73,7 @@ impl ScriptWords for RunFinding {
             }
             RunFindingKind::Depth => {
                 "an overlap at the start is never driven apart: start without, or begin with `settle`; one that came later is less with a \
-                 smaller dt, or a larger `penalty`"
+                 smaller dt, or a larger `penalty`; corners between nodes are held without `penalty`, by multipliers"
             }
             RunFindingKind::EnergyTaken => {
                 "`update: \"persistency\"` keeps the energy, `\"velocity\"` all but what slides off its contact; with `\"gap\"` or \
