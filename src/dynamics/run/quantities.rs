@@ -231,7 +231,7 @@ where
         let there = self.evaluated_at(&self.state.positions);
         let (contact, corners) = self.loaded(index, &self.state.positions, &there);
         let order = contact.pair.kernel.secondary().along();
-        Some(contact_fields::<D>(contact, &corners, &self.state.positions).in_order(&order))
+        Some(contact_fields::<D>(contact, &corners).in_order(&order))
     }
 
     fn contact_surfaces(&self) -> Vec<ContactSurface> {
@@ -257,7 +257,7 @@ where
                 facets: (0..surface.count())
                     .map(|facet| surface.local_facet(facet).iter().map(|&local| rank[local as usize]).collect())
                     .collect(),
-                fields: contact_fields::<D>(contact, &corners, &self.state.positions).in_order(&order),
+                fields: contact_fields::<D>(contact, &corners).in_order(&order),
             }
         };
         self.system.contacts().filter(|(_, pair)| pair.kind != PairKind::Tie).map(of).collect()
@@ -323,14 +323,14 @@ where
         let there = self.evaluated_at(q);
         for (index, pair) in self.system.contacts().filter(|(_, pair)| pair.kind != PairKind::Tie) {
             let (contact, corners) = self.loaded(index, q, &there);
-            let forces = contact_forces::<D>(contact, &corners, q);
+            let forces = contact_forces::<D>(contact, &corners);
             for (index, (node, force)) in forces.all.into_iter().enumerate() {
                 (0..3).for_each(|i| contact_force[node as usize][i] += force[i]);
                 if index < forces.normal_count {
                     (0..3).for_each(|i| contact_pressing[node as usize][i] += force[i]);
                 }
             }
-            let fields = contact_fields::<D>(contact, &corners, q);
+            let fields = contact_fields::<D>(contact, &corners);
             for (local, &node) in pair.kernel.secondary().nodes().iter().enumerate() {
                 let node = node as usize;
                 pressure[node] += fields.pressure[local];
@@ -426,7 +426,7 @@ where
     pub fn contact_totals(&self, touching: &EvaluatedContacts) -> Vec<ContactTotals> {
         let of = |(index, _): (usize, &ContactPair)| {
             let (contact, corners) = touching.contact(&self.system, index);
-            totals::<D>(contact, &corners, touching.q)
+            totals::<D>(contact, &corners)
         };
         self.system.contacts().map(of).collect()
     }
