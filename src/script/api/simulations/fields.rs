@@ -252,7 +252,7 @@ fn body_state() -> Function {
                 totals: simulation.body(index),
                 told: ScriptOutput::of(&handle),
             })?;
-            Ok(Dynamic::from(state))
+            Ok(state)
         })
 }
 
