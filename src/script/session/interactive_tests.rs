@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use super::interactive::Interactive;
 use super::session::Session;
 use crate::script::api::simulations::handle::Simulations;
-use crate::script::language::diagnostics::{Diagnostic, Ink};
+use crate::script::language::diagnostics::Ink;
 use crate::script::language::observer::{Observer, Progress, Silent};
 use crate::script::language::settings::Settings;
 
