@@ -15,7 +15,7 @@ use std::time::{Duration, Instant};
 #[path = "common/splitmix.rs"]
 mod splitmix;
 
-use conserva::script::{Class, Diagnostic, Ink, Interactive, Kind, Mode, Observer, Parameter, Progress, Session, Settings};
+use conserva::script::{Class, Diagnostic, Ink, Interactive, Kind, Mode, Observer, Parameter, Session, Settings};
 use splitmix::SplitMix;
 
 /// Time after which a script is interrupted, as by Ctrl-C.
@@ -30,14 +30,9 @@ const OPERATIONS: u64 = 300_000;
 struct Drawing;
 
 impl Observer for Drawing {
-    fn print(&self, _: &str) {}
-    fn passed(&self, _: &str) {}
     fn warn(&self, warning: &Diagnostic) {
         let _ = warning.render(Ink::Colored);
     }
-    fn advanced(&self, _: &Progress) {}
-    fn began(&self, _: &str) {}
-    fn ended(&self) {}
 }
 
 /// Splits a text into words, numbers, strings, signs and white space.

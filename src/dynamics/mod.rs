@@ -53,6 +53,7 @@ pub use run::options::{Options, SettleReport, Statistics};
 pub use run::pace::StepControl;
 pub use run::paths::{CriticalKind, CriticalPoint, Path, PathEnd, PathError, PathOptions, PathPoint};
 pub use run::point_fields::{LocalFrame, NODAL_FIELDS, POINT_FIELDS, PointField, PointValue, Principal, field_dimension, principal};
+pub use run::present_state::PresentState;
 pub use run::report::{CyclingNode, FailureCause, FailureReport, IterationReport, Missing, TryReport};
 pub use run::rows::Rows;
 pub use run::run_findings::{RunFinding, RunFindingKind};

@@ -3,7 +3,7 @@
 use std::cell::{Cell, RefCell};
 
 use crate::output::{OutputError, RunFiles, Stream};
-use crate::script::{Diagnostic, Ink, Observer, Progress};
+use crate::script::{Diagnostic, Ink, Observer};
 
 /// Largest number of bytes that are kept.
 const MOST: u64 = 16 << 20;
@@ -53,8 +53,4 @@ impl Observer for Transcript {
         self.warnings.set(self.warnings.get() + 1);
         self.say(&warning.render(Ink::Plain));
     }
-
-    fn advanced(&self, _: &Progress) {}
-    fn began(&self, _: &str) {}
-    fn ended(&self) {}
 }

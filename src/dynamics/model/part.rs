@@ -122,7 +122,9 @@ pub trait Part: Send {
     fn linearize(&self, at: &Iterate, memory: &[f64], sums: &mut Sums) -> Result<(), Refusal>;
 
     /// Stored energy at a configuration with the history variables `memory` `[energy]`; 0 for external forces.
-    fn energy(&self, at: Pose, memory: &[f64]) -> f64;
+    fn energy(&self, _at: Pose, _memory: &[f64]) -> f64 {
+        0.0
+    }
 
     /// True if the forces are exerted from outside the model, such as by the ground, and change the momenta.
     fn is_outside(&self) -> bool {

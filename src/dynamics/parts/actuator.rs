@@ -61,10 +61,6 @@ impl Part for Actuator {
         Ok(())
     }
 
-    fn energy(&self, _at: Pose, _memory: &[f64]) -> f64 {
-        0.0
-    }
-
     fn is_outside(&self) -> bool {
         true
     }

@@ -10,7 +10,7 @@ use std::sync::Arc;
 use super::body_mass::{BodyMass, changed_mass};
 use crate::dynamics::model::amplitude::TimeFunctionError;
 use crate::dynamics::model::definitions::BodyDefinition;
-use crate::dynamics::model::part::{Change, Iterate, Numbering, Part, PartDefinition, Pose, Refusal, Sums};
+use crate::dynamics::model::part::{Change, Iterate, Numbering, Part, PartDefinition, Refusal, Sums};
 use crate::dynamics::model::step_error::StepError;
 use crate::linear::{Pattern, product};
 use crate::math::norms::largest_size;
@@ -160,10 +160,6 @@ impl Part for BodyForce {
             }
         }
         Ok(())
-    }
-
-    fn energy(&self, _at: Pose, _memory: &[f64]) -> f64 {
-        0.0
     }
 
     fn is_outside(&self) -> bool {

@@ -91,10 +91,6 @@ impl Part for Damper {
         Ok(())
     }
 
-    fn energy(&self, _at: Pose, _memory: &[f64]) -> f64 {
-        0.0
-    }
-
     fn is_outside(&self) -> bool {
         self.is_outside
     }

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use super::body_mass::{BodyMass, changed_mass};
 use super::force_laws::Viscous;
 use crate::dynamics::model::definitions::BodyDefinition;
-use crate::dynamics::model::part::{Change, Iterate, Numbering, Part, PartDefinition, PartStepResult, Pose, Refusal, Sums};
+use crate::dynamics::model::part::{Change, Iterate, Numbering, Part, PartDefinition, PartStepResult, Refusal, Sums};
 use crate::dynamics::model::step_error::StepError;
 use crate::linear::{Block, Pattern};
 
@@ -129,10 +129,6 @@ impl Part for NodeDrag {
         Ok(())
     }
 
-    fn energy(&self, _at: Pose, _memory: &[f64]) -> f64 {
-        0.0
-    }
-
     fn is_outside(&self) -> bool {
         true
     }
@@ -171,10 +167,6 @@ impl Part for MassDrag {
             }
         }
         Ok(())
-    }
-
-    fn energy(&self, _at: Pose, _memory: &[f64]) -> f64 {
-        0.0
     }
 
     fn is_outside(&self) -> bool {

@@ -4,7 +4,7 @@ use super::time_values::value_of;
 use crate::bodies::{Plane, face_pressure, face_pressure_arms, pressure_shares, round_pressure, torque_forces};
 use crate::dynamics::model::amplitude::Amplitude;
 use crate::dynamics::model::definitions::LoadKind;
-use crate::dynamics::model::part::{Iterate, Part, Pose, Refusal, Sums};
+use crate::dynamics::model::part::{Iterate, Part, Refusal, Sums};
 use crate::dynamics::model::step_error::StepError;
 use crate::linear::{Block, Pattern};
 
@@ -150,10 +150,6 @@ impl<const D: usize> Part for NodalLoad<D> {
             self.tangent_into(amplitude, at.derivative.placement().share * at.weight, at.q_test, values);
         }
         Ok(())
-    }
-
-    fn energy(&self, _at: Pose, _memory: &[f64]) -> f64 {
-        0.0
     }
 }
 

@@ -196,10 +196,6 @@ impl Part for Motor {
         Ok(())
     }
 
-    fn energy(&self, _at: Pose, _memory: &[f64]) -> f64 {
-        0.0
-    }
-
     fn is_outside(&self) -> bool {
         true
     }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::dynamics::model::error::ModelError;
-use crate::dynamics::model::part::{Change, Iterate, Numbering, Part, PartDefinition, PartPlace, Pose, Refusal, Sums};
+use crate::dynamics::model::part::{Change, Iterate, Numbering, Part, PartDefinition, PartPlace, Refusal, Sums};
 use crate::linear::Pattern;
 
 /// A mass at a node of a model.
@@ -65,10 +65,6 @@ impl Part for PointMass {
 
     fn linearize(&self, _at: &Iterate, _memory: &[f64], _sums: &mut Sums) -> Result<(), Refusal> {
         Ok(())
-    }
-
-    fn energy(&self, _at: Pose, _memory: &[f64]) -> f64 {
-        0.0
     }
 
     fn point_masses(&self) -> Vec<(u32, f64)> {

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::engine::Engine;
 use super::ledger::{LedgerRow, Reaction, heat, unexplained};
-use super::quantities::EvaluatedContacts;
+use super::loaded::EvaluatedContacts;
 use super::slip_memory::{add_heat, slipped};
 use super::state::State;
 use super::velocity_correction::VelocityCorrection;

@@ -69,8 +69,8 @@ fn bearing(pair: &ContactPair, pressure: f64) -> f64 {
 }
 
 /// Frictional shear stress at each secondary node, corners included, for the given nodal pressures and areas.
-pub fn shears(contact: LoadedContact, forces: &ContactForces, q: &[f64], [pressures, areas]: [&[f64]; 2]) -> Vec<f64> {
-    let LoadedContact { pair, lambda, tangential, .. } = contact;
+pub fn shears(contact: LoadedContact, forces: &ContactForces, [pressures, areas]: [&[f64]; 2]) -> Vec<f64> {
+    let LoadedContact { pair, q, lambda, tangential, .. } = contact;
     let (Some(tangential), Some(friction)) = (tangential, &pair.friction) else { return vec![0.0; forces.own.len()] };
     let (stride, nodes) = (pair.kernel.rows_per_node(), pair.kernel.secondary().nodes());
     let multipliers = tangential.multipliers();

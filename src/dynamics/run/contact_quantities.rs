@@ -22,8 +22,8 @@ use crate::dynamics::parts::contact_pair::{ContactPair, PairKind};
 use crate::dynamics::parts::laws::RowState;
 use crate::math::tolerances;
 
-/// Forces of a contact and of its corners at the positions `q`.
-pub fn contact_forces<const D: usize>(contact: LoadedContact, corners: &[LoadedContact], q: &[f64]) -> ContactForces {
+/// Forces of a contact and of its corners.
+pub fn contact_forces<const D: usize>(contact: LoadedContact, corners: &[LoadedContact]) -> ContactForces {
     let secondary = contact.pair.kernel.secondary();
     let with_itself = secondary == contact.pair.kernel.primary();
     let count = secondary.nodes().len();
@@ -34,7 +34,7 @@ pub fn contact_forces<const D: usize>(contact: LoadedContact, corners: &[LoadedC
             (0..D).for_each(|i| forces.own[index][i] += force[i]);
         }
     });
-    forces.mean = means::<D>(contact, contact.lambda, &forces.own, q, |lambda, visit| contact.for_each_force::<D>(lambda, visit));
+    forces.mean = means::<D>(contact, contact.lambda, &forces.own, |lambda, visit| contact.for_each_force::<D>(lambda, visit));
     let mut more = vec![[0.0; 3]; count];
     for corners in corners {
         corners.for_each_shown_force::<D>(corners.lambda, |node, own, _, force| {
@@ -64,12 +64,11 @@ fn means<const D: usize>(
     contact: LoadedContact,
     lambda: &[f64],
     forces: &[[f64; 3]],
-    q: &[f64],
     for_each: impl FnOnce(&[f64], &mut dyn FnMut(u32, bool, f64, [f64; 3])),
 ) -> Vec<f64> {
     let dot = |a: &[f64; 3], b: &[f64; 3]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-    let unit = unit_forces::<D>(contact, lambda, q, for_each);
-    let covered: Vec<f64> = areas(contact.pair, q).iter().zip(&contact.evaluation.coverage).map(|(area, share)| area * share).collect();
+    let unit = unit_forces::<D>(contact, lambda, for_each);
+    let covered: Vec<f64> = areas(contact).iter().zip(&contact.evaluation.coverage).map(|(area, share)| area * share).collect();
     let of = |(node, (force, unit)): (usize, (&[f64; 3], &[f64; 3]))| match size(unit) {
         0.0 => 0.0,
         of_unit if D == 3 && of_unit < 0.5 * covered[node] => lambda[node],
@@ -82,7 +81,6 @@ fn means<const D: usize>(
 fn unit_forces<const D: usize>(
     contact: LoadedContact,
     lambda: &[f64],
-    q: &[f64],
     for_each: impl FnOnce(&[f64], &mut dyn FnMut(u32, bool, f64, [f64; 3])),
 ) -> Vec<[f64; 3]> {
     let (pair, secondary) = (contact.pair, contact.pair.kernel.secondary());
@@ -90,7 +88,7 @@ fn unit_forces<const D: usize>(
     if pair.kernel.rows_per_node() != 1 || pair.kernel.is_nodal() || lambda.iter().all(|lambda| *lambda == 0.0) {
         return of_unit;
     }
-    let unit: Vec<f64> = secondary.nodes().iter().map(|&node| pair.circumference(node, q)).collect();
+    let unit: Vec<f64> = secondary.nodes().iter().map(|&node| pair.circumference(node, contact.q)).collect();
     for_each(&unit, &mut |node, own, _, force| {
         if own && let Some(index) = secondary.index(node) {
             (0..D).for_each(|i| of_unit[index][i] += force[i]);
@@ -100,13 +98,14 @@ fn unit_forces<const D: usize>(
 }
 
 /// Sums over a contact at a configuration.
-pub fn totals<const D: usize>(contact: LoadedContact, corners: &[LoadedContact], q: &[f64]) -> ContactTotals {
-    let forces = contact_forces::<D>(contact, corners, q);
-    summed(contact, corners, &forces, q)
+pub fn totals<const D: usize>(contact: LoadedContact, corners: &[LoadedContact]) -> ContactTotals {
+    let forces = contact_forces::<D>(contact, corners);
+    summed(contact, corners, &forces)
 }
 
 /// Present area of each secondary node, `int N_A ds`; around an axis times the circumference `[length]`, `[length^2]`.
-fn areas(pair: &ContactPair, q: &[f64]) -> Vec<f64> {
+fn areas(contact: LoadedContact) -> Vec<f64> {
+    let LoadedContact { pair, q, .. } = contact;
     let secondary = pair.kernel.secondary();
     let mut areas = if secondary.dimension() == 3 { secondary.weights(q) } else { vec![0.0; secondary.nodes().len()] };
     for (facet, ends) in secondary.local_facets().iter().enumerate() {
@@ -126,30 +125,31 @@ fn share(pair: &ContactPair, index: usize) -> f64 {
 }
 
 /// True if a node lies on the axis of an axisymmetric body, where circumference, force and multiplier vanish for every pressure.
-fn is_on_axis(pair: &ContactPair, index: usize, q: &[f64]) -> bool {
+fn is_on_axis(contact: LoadedContact, index: usize) -> bool {
+    let LoadedContact { pair, q, .. } = contact;
     let secondary = pair.kernel.secondary();
     pair.is_axisymmetric && pair.circumference(secondary.nodes()[index], q) <= tolerances::CLOSED * secondary.node_measure(index, q)
 }
 
 /// True if a node on the axis touches the other side.
-fn touches_on_axis(contact: LoadedContact, index: usize, q: &[f64]) -> bool {
+fn touches_on_axis(contact: LoadedContact, index: usize) -> bool {
     let LoadedContact { pair, evaluation, .. } = contact;
     let row = index * pair.kernel.rows_per_node();
     let covered = evaluation.coverage[row];
-    is_on_axis(pair, index, q)
+    is_on_axis(contact, index)
         && covered > tolerances::SLIVER
         && evaluation.gap[row] <= tolerances::TOUCHES_ON_AXIS * pair.kernel.facet_size() * covered * pair.kernel.weights()[row]
 }
 
 /// Pressure of a node on the axis that touches the other side: extrapolated from the next two nodes as an even function of the radius.
-fn pressure_on_axis(contact: LoadedContact, index: usize, pressures: &[f64], q: &[f64]) -> f64 {
+fn pressure_on_axis(contact: LoadedContact, index: usize, pressures: &[f64]) -> f64 {
     let secondary = contact.pair.kernel.secondary();
     let next = |index: usize, except: usize| {
         let ends = secondary.adjacent_facets(index).iter().flat_map(|&facet| secondary.local_facets()[facet as usize]);
         ends.map(|end| end as usize).find(|&end| end != index && end != except)
     };
-    let Some(first) = next(index, index).filter(|_| touches_on_axis(contact, index, q)) else { return 0.0 };
-    let square = |index: usize| q[2 * secondary.nodes()[index] as usize].powi(2);
+    let Some(first) = next(index, index).filter(|_| touches_on_axis(contact, index)) else { return 0.0 };
+    let square = |index: usize| contact.q[2 * secondary.nodes()[index] as usize].powi(2);
     match next(first, index).filter(|&second| pressures[second] > 0.0 && square(second) > square(first)) {
         Some(second) => {
             let rise = (pressures[first] - pressures[second]) * square(first) / (square(second) - square(first));
@@ -161,12 +161,12 @@ fn pressure_on_axis(contact: LoadedContact, index: usize, pressures: &[f64], q: 
 
 /// Stress at each secondary node from one multiplier per constraint; `mean` is used at partly covered nodes, `more` is the corner force.
 /// Nodes on an axis of revolution get zero.
-fn at_nodes(contact: LoadedContact, [lambda, coverage]: [&[f64]; 2], [mean, more]: [&[f64]; 2], q: &[f64]) -> Vec<f64> {
-    let pair = contact.pair;
+fn at_nodes(contact: LoadedContact, [lambda, coverage]: [&[f64]; 2], [mean, more]: [&[f64]; 2]) -> Vec<f64> {
+    let LoadedContact { pair, q, .. } = contact;
     let (kernel, secondary) = (&pair.kernel, pair.kernel.secondary());
-    let (stride, weights, areas) = (kernel.rows_per_node(), kernel.weights(), areas(pair, q));
+    let (stride, weights, areas) = (kernel.rows_per_node(), kernel.weights(), areas(contact));
     let of = |(index, rows): (usize, &[f64])| {
-        if is_on_axis(pair, index, q) {
+        if is_on_axis(contact, index) {
             return 0.0;
         }
         let (multiplier, area) = (size(rows), areas[index]);
@@ -189,38 +189,39 @@ fn at_nodes(contact: LoadedContact, [lambda, coverage]: [&[f64]; 2], [mean, more
 }
 
 /// Pressure at each secondary node, without corner forces.
-fn own_pressures(contact: LoadedContact, forces: &ContactForces, q: &[f64]) -> Vec<f64> {
+fn own_pressures(contact: LoadedContact, forces: &ContactForces) -> Vec<f64> {
     let LoadedContact { evaluation, lambda, .. } = contact;
-    at_nodes(contact, [lambda, &evaluation.coverage], [&forces.mean, &vec![0.0; forces.own.len()]], q)
+    at_nodes(contact, [lambda, &evaluation.coverage], [&forces.mean, &vec![0.0; forces.own.len()]])
 }
 
 /// Pressure at each secondary node, including forces of its corners.
-fn pressures(contact: LoadedContact, forces: &ContactForces, q: &[f64]) -> Vec<f64> {
-    let LoadedContact { pair, evaluation, lambda, .. } = contact;
-    let mut pressures = at_nodes(contact, [lambda, &evaluation.coverage], [&forces.mean, &forces.corner_forces], q);
-    for index in (0..pressures.len()).filter(|&index| is_on_axis(pair, index, q)) {
-        pressures[index] = pressure_on_axis(contact, index, &pressures, q);
+fn pressures(contact: LoadedContact, forces: &ContactForces) -> Vec<f64> {
+    let LoadedContact { evaluation, lambda, .. } = contact;
+    let mut pressures = at_nodes(contact, [lambda, &evaluation.coverage], [&forces.mean, &forces.corner_forces]);
+    for index in (0..pressures.len()).filter(|&index| is_on_axis(contact, index)) {
+        pressures[index] = pressure_on_axis(contact, index, &pressures);
     }
     pressures
 }
 
 /// Nodal pressures as means over the covered area of each node. The multipliers of a consistent mortar method oscillate beside the edge of
 /// a contact, the forces do not.
-fn smoothed(contact: LoadedContact, forces: &ContactForces, pressures: &[f64], q: &[f64]) -> Vec<f64> {
+fn smoothed(contact: LoadedContact, forces: &ContactForces, pressures: &[f64]) -> Vec<f64> {
     let kernel = &contact.pair.kernel;
     if kernel.is_nodal() || kernel.rows_per_node() > 1 {
         return pressures.to_vec();
     }
     let of = |((mean, force), area): ((&f64, &f64), f64)| mean + if *force > 0.0 { force / area } else { 0.0 };
-    let mut means: Vec<f64> = forces.mean.iter().zip(&forces.corner_forces).zip(areas(contact.pair, q)).map(of).collect();
-    for index in (0..means.len()).filter(|&index| is_on_axis(contact.pair, index, q)) {
-        means[index] = pressure_on_axis(contact, index, &means, q);
+    let mut means: Vec<f64> = forces.mean.iter().zip(&forces.corner_forces).zip(areas(contact)).map(of).collect();
+    for index in (0..means.len()).filter(|&index| is_on_axis(contact, index)) {
+        means[index] = pressure_on_axis(contact, index, &means);
     }
     means
 }
 
 /// True for each node whose consistent force under a uniform pressure points outward: corner nodes of second-order faces in space.
-fn pulling(pair: &ContactPair, forces: &[[f64; 3]], q: &[f64]) -> Vec<bool> {
+fn pulling(contact: LoadedContact, forces: &[[f64; 3]]) -> Vec<bool> {
+    let LoadedContact { pair, q, .. } = contact;
     let secondary = pair.kernel.secondary();
     if secondary.dimension() == 2 || pair.law.is_bilateral() {
         return vec![false; forces.len()];
@@ -237,11 +238,11 @@ fn pulling(pair: &ContactPair, forces: &[[f64; 3]], q: &[f64]) -> Vec<bool> {
 }
 
 /// True for each secondary node in contact, and the number of active corners of the other side.
-fn active_nodes(contact: LoadedContact, corners: &[LoadedContact], q: &[f64]) -> (Vec<bool>, usize) {
+fn active_nodes(contact: LoadedContact, corners: &[LoadedContact]) -> (Vec<bool>, usize) {
     let nodes = contact.active.chunks_exact(contact.pair.kernel.rows_per_node());
     let mut active: Vec<bool> = nodes.map(|rows| rows.contains(&RowState::Closed)).collect();
     if contact.pair.is_axisymmetric && active.contains(&true) {
-        (0..active.len()).for_each(|index| active[index] |= touches_on_axis(contact, index, q));
+        (0..active.len()).for_each(|index| active[index] |= touches_on_axis(contact, index));
     }
     let mut others = 0;
     for corners in corners {
@@ -258,22 +259,23 @@ fn active_nodes(contact: LoadedContact, corners: &[LoadedContact], q: &[f64]) ->
     (active, others)
 }
 
-fn summed(contact: LoadedContact, corners: &[LoadedContact], forces: &ContactForces, q: &[f64]) -> ContactTotals {
+fn summed(contact: LoadedContact, corners: &[LoadedContact], forces: &ContactForces) -> ContactTotals {
     let LoadedContact { pair, evaluation: Evaluation { coverage, .. }, .. } = contact;
     let stride = pair.kernel.rows_per_node();
     let mut totals = ContactTotals::default();
     if pair.kind != PairKind::Tie {
-        totals.penetration = corners.iter().map(|corners| corners.pair.kernel.deepest(q)).fold(pair.kernel.deepest(q), f64::max);
+        totals.penetration =
+            corners.iter().map(|corners| corners.pair.kernel.deepest(contact.q)).fold(pair.kernel.deepest(contact.q), f64::max);
     }
-    let shears_into = pulling(pair, &forces.own, q);
+    let shears_into = pulling(contact, &forces.own);
     for (force, shears_into) in forces.own.iter().zip(shears_into) {
         (0..3).for_each(|i| totals.force[i] += force[i]);
         let size = force[0].hypot(force[1]).hypot(force[2]);
         totals.normal_force += if shears_into { -size } else { size };
     }
     forces.friction.iter().for_each(|force| (0..3).for_each(|i| totals.force[i] += force[i]));
-    let (areas, pressures) = (areas(pair, q), pressures(contact, forces, q));
-    let (active, others) = active_nodes(contact, corners, q);
+    let (areas, pressures) = (areas(contact), pressures(contact, forces));
+    let (active, others) = active_nodes(contact, corners);
     totals.active = others;
     if contact.tangential.is_some() {
         let (states, others) = states(contact, corners, &active);
@@ -290,19 +292,19 @@ fn summed(contact: LoadedContact, corners: &[LoadedContact], forces: &ContactFor
 }
 
 /// All fields of a contact in a state, evaluated at its positions.
-pub fn contact_fields<const D: usize>(contact: LoadedContact, corners: &[LoadedContact], q: &[f64]) -> ContactFields {
+pub fn contact_fields<const D: usize>(contact: LoadedContact, corners: &[LoadedContact]) -> ContactFields {
     let LoadedContact { pair, evaluation, .. } = contact;
     let (rows, secondary) = (pair.kernel.rows_per_node(), pair.kernel.secondary().nodes());
     let (gaps, coverage) = (&evaluation.gap, &evaluation.coverage);
-    let forces = contact_forces::<D>(contact, corners, q);
-    let totals = summed(contact, corners, &forces, q);
-    let pressure = pressures(contact, &forces, q);
+    let forces = contact_forces::<D>(contact, corners);
+    let totals = summed(contact, corners, &forces);
+    let pressure = pressures(contact, &forces);
     let position = |node: u32| {
         let mut x = [0.0; 3];
-        x[..D].copy_from_slice(&q[node as usize * D..(node as usize + 1) * D]);
+        x[..D].copy_from_slice(&contact.q[node as usize * D..(node as usize + 1) * D]);
         x
     };
-    let (mut active, _) = active_nodes(contact, corners, q);
+    let (mut active, _) = active_nodes(contact, corners);
     let (mut state, _) = states(contact, corners, &active);
     mark_between(contact, corners, &mut active, &mut state);
     let slipped = slipped(contact, corners);
@@ -311,7 +313,7 @@ pub fn contact_fields<const D: usize>(contact: LoadedContact, corners: &[LoadedC
     let node_rows = || (0..secondary.len()).map(|node| node * rows..(node + 1) * rows);
     ContactFields {
         positions: secondary.iter().map(|&node| position(node)).collect(),
-        mean_pressure: smoothed(contact, &forces, &pressure, q),
+        mean_pressure: smoothed(contact, &forces, &pressure),
         pressure,
         gap: node_rows()
             .map(|rows| {
@@ -321,10 +323,10 @@ pub fn contact_fields<const D: usize>(contact: LoadedContact, corners: &[LoadedC
             .collect(),
         active,
         state,
-        shear: shears(contact, &forces, q, [&own_pressures(contact, &forces, q), &areas(pair, q)]),
+        shear: shears(contact, &forces, [&own_pressures(contact, &forces), &areas(contact)]),
         slip: slipped.iter().map(|memory| memory.slip).collect(),
         slip_path: slipped.iter().map(|memory| memory.path).collect(),
-        heat: slipped.iter().zip(areas(pair, q)).map(|(memory, area)| if memory.heat == 0.0 { 0.0 } else { memory.heat / area }).collect(),
+        heat: slipped.iter().zip(areas(contact)).map(|(memory, area)| if memory.heat == 0.0 { 0.0 } else { memory.heat / area }).collect(),
         forces: all,
         force: totals.force,
         normal_force: totals.normal_force,

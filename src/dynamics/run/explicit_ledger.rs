@@ -8,7 +8,7 @@ use std::sync::Arc;
 use super::engine::Engine;
 use super::explicit::ExplicitStep;
 use super::ledger::{LedgerRow, heat, unexplained};
-use super::quantities::EvaluatedContacts;
+use super::loaded::EvaluatedContacts;
 use super::state::State;
 use crate::bodies::{Elements, Space};
 use crate::dynamics::parts::contact_pair::PairKind;

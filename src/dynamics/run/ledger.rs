@@ -84,7 +84,7 @@ pub struct LedgerRow {
     pub parts: Vec<PartTotals>,
     /// Totals of each joint of the model, in their order; empty before the first step.
     pub joints: Vec<JointTotals>,
-    /// Values of each watched node ([`Simulation::watch`](crate::dynamics::Simulation::watch)), in the order of the requests.
+    /// Values of each watched node ([`PresentState::watch`](crate::dynamics::PresentState::watch)), in the order of the requests.
     pub probes: Vec<ProbeValues>,
 }
 

@@ -1,9 +1,11 @@
 //! A contact with its multipliers at a configuration, and the resulting nodal forces.
 
-use super::slip_memory::Tangential;
+use super::slip_memory::{SlipMemory, Tangential};
 use crate::contact::Evaluation;
 use crate::dynamics::parts::contact_pair::{ContactPair, PatchRow, RowBlock};
 use crate::dynamics::parts::laws::RowState;
+use crate::dynamics::step::equations::Equations;
+use crate::dynamics::step::iterate::Linearization;
 
 /// Forces of a contact, evaluated at one configuration.
 #[derive(Default)]
@@ -35,6 +37,48 @@ pub struct LoadedContact<'a> {
     pub active: &'a [RowState],
     /// Tangential constraints, if the contact has friction.
     pub tangential: Option<Tangential<'a>>,
+}
+
+/// Evaluated contact pairs with multipliers and states at a configuration.
+pub struct EvaluatedContacts<'a> {
+    /// Positions at which they are evaluated `[length]`.
+    pub q: &'a [f64],
+    /// Normal constraints of the pairs.
+    pub evaluations: &'a [Evaluation],
+    /// Tangential constraints of the pairs.
+    pub slips: &'a [Evaluation],
+    /// Multipliers of all constraints.
+    pub lambda: &'a [f64],
+    /// Contact state of every constraint.
+    pub active: &'a [RowState],
+    /// Accumulated slip of the tangential constraints.
+    pub slipped: &'a [SlipMemory],
+}
+
+impl<'a> EvaluatedContacts<'a> {
+    /// All pairs at the end of a step.
+    pub(super) fn of(at: &'a Linearization, lambda: &'a [f64], active: &'a [RowState], slipped: &'a [SlipMemory]) -> Self {
+        EvaluatedContacts { q: &at.q_1, evaluations: &at.pairs, slips: &at.slips, lambda, active, slipped }
+    }
+
+    /// A contact of the equations `system` and its corners.
+    pub fn contact<const D: usize>(&self, system: &'a Equations<D>, index: usize) -> (LoadedContact<'a>, Vec<LoadedContact<'a>>) {
+        let &EvaluatedContacts { q, evaluations, slips, lambda, active, slipped } = self;
+        let of = |k: usize| {
+            let pair = &system.pairs[k];
+            let tangential = pair.friction.as_ref().map(|friction| Tangential {
+                evaluation: &slips[k],
+                lambda: &lambda[friction.rows.clone()],
+                active: &active[friction.rows.clone()],
+                slipped: &slipped[friction.rows.start - system.normal_count..friction.rows.end - system.normal_count],
+                count: friction.tangents,
+            });
+            let (lambda, active) = (&lambda[pair.rows.clone()], &active[pair.rows.clone()]);
+            LoadedContact { pair, q, evaluation: &evaluations[k], lambda, active, tangential }
+        };
+        let corners = (0..system.pairs.len()).filter(|&k| system.pairs[k].corners.is_some_and(|corners| corners.pair == index));
+        (of(index), corners.map(of).collect())
+    }
 }
 
 impl LoadedContact<'_> {

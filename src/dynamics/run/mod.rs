@@ -38,6 +38,7 @@ pub mod pace;
 pub mod packed;
 pub mod paths;
 pub mod point_fields;
+pub mod present_state;
 pub mod quantities;
 pub mod report;
 pub mod reserve;

@@ -84,7 +84,7 @@ pub struct Statistics {
     pub steps: usize,
     /// Newton iterations, including those of refused steps.
     pub newton_iterations: usize,
-    /// Halvings of attempted steps; [`Simulation::halvings`](crate::dynamics::Simulation::halvings) counts all by cause.
+    /// Halvings of attempted steps; [`PresentState::halvings`](crate::dynamics::PresentState::halvings) counts all by cause.
     pub halvings: usize,
     /// Numeric factorisations.
     pub factorizations: usize,

@@ -1,42 +1,311 @@
 //! Fields of the bodies and quantities of the contacts at the present state.
 
+use std::sync::Arc;
+
+use super::buckling::{Buckling, BucklingError};
+use super::closing::Closing;
 use super::contact_quantities::{contact_fields, contact_forces, totals};
 use super::engine::Engine;
-use super::fields::{BodyFields, BodyTotals, CellPlaces, CellStress, ContactFields, ContactSurface, PlacedObstacle, RedundantConstraints};
-use super::ledger::{ContactTotals, ProbeValues, Reaction};
-use super::loaded::LoadedContact;
-use super::slip_memory::{SlipMemory, Tangential};
+use super::fields::{
+    BodyFields, BodyTotals, CellPlaces, CellStress, ContactFields, ContactSurface, JointLoad, PlacedObstacle, RedundantConstraints,
+};
+use super::halvings::Halving;
+use super::harmonic::{HarmonicError, HarmonicOptions, HarmonicResponse};
+use super::ledger::{ContactTotals, LedgerRow, ProbeValues, Reaction};
+use super::loaded::{EvaluatedContacts, LoadedContact};
+use super::modes::{Modes, ModesError};
+use super::options::{Options, Statistics};
+use super::paths::{Path, PathError, PathOptions};
+use super::present_state::PresentState;
+use super::report::FailureReport;
+use super::run_findings::{RunFinding, RunFindingKind};
+use super::section_force::SectionForce;
+use super::stable_step::StableStep;
 use super::state::State;
 use crate::bodies::{BodyState, Elements, Recovery, Space, StressError, Stresses};
 use crate::contact::Evaluation;
 use crate::dynamics::model::interactions::Partner;
+use crate::dynamics::model::step_error::StepError;
 use crate::dynamics::parts::body::Body;
 use crate::dynamics::parts::contact_pair::{ContactPair, PairKind};
-use crate::dynamics::parts::laws::RowState;
 use crate::dynamics::parts::nodal::{add_force, add_moment, half_product};
-use crate::dynamics::step::equations::Equations;
-use crate::dynamics::step::iterate::Linearization;
+use crate::math::tolerances;
 
-/// Evaluated contact pairs with multipliers and states at a configuration.
-pub struct EvaluatedContacts<'a> {
-    /// Positions at which they are evaluated `[length]`.
-    pub q: &'a [f64],
-    /// Normal constraints of the pairs.
-    pub evaluations: &'a [Evaluation],
-    /// Tangential constraints of the pairs.
-    pub slips: &'a [Evaluation],
-    /// Multipliers of all constraints.
-    pub lambda: &'a [f64],
-    /// Contact state of every constraint.
-    pub active: &'a [RowState],
-    /// Accumulated slip of the tangential constraints.
-    pub slipped: &'a [SlipMemory],
-}
+impl<const D: usize> PresentState for Engine<D>
+where
+    Space<D>: Elements<D>,
+{
+    fn dimension(&self) -> usize {
+        D
+    }
 
-impl<'a> EvaluatedContacts<'a> {
-    /// All pairs at the end of a step.
-    pub(super) fn of(at: &'a Linearization, lambda: &'a [f64], active: &'a [RowState], slipped: &'a [SlipMemory]) -> Self {
-        EvaluatedContacts { q: &at.q_1, evaluations: &at.pairs, slips: &at.slips, lambda, active, slipped }
+    fn options(&self) -> &Options {
+        &self.options
+    }
+
+    fn unknowns(&self) -> usize {
+        self.system.supports.fixed.iter().filter(|fixed| !**fixed).count()
+    }
+
+    fn restore(&mut self, state: &State) {
+        assert_eq!(
+            (state.positions.len(), state.lambda.len()),
+            (self.state.positions.len(), self.state.lambda.len()),
+            "the state is of the same model"
+        );
+        self.state = Arc::new(state.clone());
+        if self.state.row.probes.len() != self.probes.len() {
+            // Watched nodes may differ from those of the restored state.
+            Arc::make_mut(&mut self.state).row.probes = self.probe_values(&state.displacements, &state.velocities, &state.accelerations);
+        }
+        self.system.restore_search(&state.search, &state.positions, state.row.time);
+    }
+
+    fn look(&mut self) {
+        self.restore_search();
+    }
+
+    fn recall(&mut self, row: &LedgerRow) {
+        Arc::make_mut(&mut self.state).row.clone_from(row);
+    }
+
+    fn prescribed_jump(&self) -> Result<Option<(String, f64)>, StepError> {
+        let supports = &self.system.supports;
+        let (displacement, _) = supports.prescribed_motion(self.state.row.time)?;
+        let jumps = supports.prescribed.iter().zip(displacement).map(|(one, then)| (one, then - self.state.displacements[one.unknown]));
+        let farthest = jumps.max_by(|(_, a), (_, b)| a.abs().total_cmp(&b.abs()));
+        let seen = farthest.filter(|(_, jump)| jump.abs() > tolerances::JUMP * self.system.nodes.extent);
+        Ok(seen.map(|(one, jump)| (supports.boundary(one).to_string(), jump)))
+    }
+
+    fn check_apart(&self) -> Result<(), StepError> {
+        self.check_overlaps(&Closing::of(&self.model))
+    }
+
+    fn modes(&mut self, count: usize) -> Result<Modes, ModesError> {
+        self.find_modes(count)
+    }
+
+    fn harmonic_response(&mut self, options: &HarmonicOptions) -> Result<HarmonicResponse, HarmonicError> {
+        self.find_response(options)
+    }
+
+    fn buckling(&mut self, count: usize) -> Result<Buckling, BucklingError> {
+        self.find_buckling(count)
+    }
+
+    fn stable_step(&mut self) -> Result<StableStep, StepError> {
+        Engine::stable_step(self)
+    }
+
+    fn path(&mut self, options: &PathOptions, told: &mut dyn FnMut(&LedgerRow)) -> Result<Path, PathError> {
+        self.find_path(options, told)
+    }
+
+    fn watch(&mut self, node: usize) {
+        self.probes.push(node);
+        let probes = self.probe_values(&self.state.displacements, &self.state.velocities, &self.state.accelerations);
+        Arc::make_mut(&mut self.state).row.probes = probes;
+    }
+
+    fn watched(&self) -> &[usize] {
+        &self.probes
+    }
+
+    fn fields(&self) -> Vec<BodyFields> {
+        self.fields_at(&self.state.displacements)
+    }
+
+    fn failure(&self) -> Option<&FailureReport> {
+        self.failure.as_ref().map(|(report, _)| report)
+    }
+
+    fn failed_fields(&self) -> Option<Vec<BodyFields>> {
+        self.failure.as_ref().map(|(_, u)| self.fields_at(u))
+    }
+
+    fn cell_stresses(&self, body: usize, places: CellPlaces) -> Vec<CellStress> {
+        let (q, body, reference) = (&self.state.positions, &self.system.bodies[body], &self.system.nodes.reference);
+        let mut points = Vec::new();
+        body.elements.visit_stresses(self.present(body), &mut |point| {
+            let (mut position, mut rest) = ([0.0; 3], [0.0; 3]);
+            for (shape, &node) in point.shapes.iter().zip(point.nodes) {
+                (0..D).for_each(|i| position[i] += shape * q[node as usize * D + i]);
+                (0..D).for_each(|i| rest[i] += shape * reference[node as usize * D + i]);
+            }
+            let share = point.volume / point.cell_volume;
+            let kept = point.kept.unwrap_or_default();
+            points.push((
+                point.cell,
+                share,
+                CellStress {
+                    position,
+                    rest,
+                    energy: point.energy,
+                    stress: point.stress,
+                    strain: point.strain,
+                    plastic_strain: kept.plastic_strain,
+                    back_stress: kept.back_stress,
+                },
+            ));
+        });
+        points.sort_by_key(|point| point.0);
+        match places {
+            CellPlaces::Points => points.into_iter().map(|(.., values)| values).collect(),
+            CellPlaces::Cells => points.chunk_by(|a, b| a.0 == b.0).map(mean).collect(),
+        }
+    }
+
+    fn section_force(&self, body: usize, point: [f64; 3], normal: [f64; 3]) -> Option<SectionForce> {
+        self.section_force_of(body, point, normal)
+    }
+
+    fn body(&self, body: usize) -> BodyTotals {
+        let (system, state) = (&self.system, &self.state);
+        let Body { nodes, elements, .. } = &system.bodies[body];
+        let range = nodes.start * D..nodes.end * D;
+        let (q, v) = (&state.positions[range.clone()], &state.velocities[range.clone()]);
+        let momenta = &system.nodes.momenta_of(&state.velocities)[range.clone()];
+        let masses = &system.nodes.nodal_mass[nodes.clone()];
+        let mass = masses.iter().sum();
+        let mut center = [0.0; 3];
+        for (x, m) in q.chunks_exact(D).zip(masses) {
+            (0..D).for_each(|i| center[i] += m * x[i] / mass);
+        }
+        BodyTotals {
+            mass,
+            stress_error: self.estimated_error(body),
+            kinetic: half_product(v, momenta),
+            strain: elements.strain_energy(self.present(&system.bodies[body])),
+            potential: -q.iter().zip(&system.nodes.weight[range]).map(|(q, weight)| q * weight).sum::<f64>(),
+            momentum: system.nodes.resultant(momenta),
+            angular_momentum: system.nodes.moment(q, momenta),
+            center,
+        }
+    }
+
+    fn redundant_constraints(&self) -> Vec<RedundantConstraints> {
+        let system = &self.system;
+        let of = |pair: &ContactPair| {
+            let mut rows = pair.rows.clone().filter(|&row| system.redundant[row]);
+            let node = pair.node_of(rows.next()?).map(|node| {
+                let (body, number) = system.owner(node as usize);
+                let place = std::array::from_fn(|i| if i < D { system.nodes.reference[node as usize * D + i] } else { 0.0 });
+                (body.to_string(), number, place)
+            });
+            let (name, count, of) = (pair.name.clone(), rows.count() + 1, pair.rows.len());
+            // The last constraint of a joint is that of its drive.
+            let is_driven = pair.drive.is_some() && system.redundant[pair.rows.end - 1];
+            Some(RedundantConstraints { name, is_joint: pair.kind == PairKind::Joint, is_driven, count, of, node })
+        };
+        // Redundancy is expected, and not reported, for nodes of rigid bodies (supports hold more nodes than a body has motions) and for
+        // couplings (periodic pairs share corners).
+        let is_told = |pair: &&ContactPair| !matches!(pair.kind, PairKind::Rigidity | PairKind::Coupling(_));
+        system.pairs.iter().filter(is_told).filter_map(of).collect()
+    }
+
+    fn loose_joints(&self) -> Vec<(String, f64)> {
+        Engine::loose_joints(self)
+    }
+
+    fn joint(&self, name: &str) -> Option<JointLoad> {
+        self.joint_load(name)
+    }
+
+    fn obstacles(&self) -> Vec<PlacedObstacle> {
+        let mut placed: Vec<PlacedObstacle> = Vec::new();
+        for interaction in &self.model.interactions {
+            let Partner::Obstacle { shape, .. } = &interaction.partner else { continue };
+            let pair = self.system.pairs.iter().find(|pair| pair.kind == PairKind::Obstacle && pair.name == interaction.name);
+            let place = pair.map_or_else(Default::default, |pair| pair.kernel.obstacle_placement());
+            match placed.iter_mut().find(|other| other.shape == *shape && other.place == place) {
+                Some(same) => same.name = format!("{}, {}", same.name, interaction.name),
+                None => placed.push(PlacedObstacle { name: interaction.name.clone(), shape: shape.clone(), place }),
+            }
+        }
+        placed
+    }
+
+    fn contact(&self, name: &str) -> Option<ContactFields> {
+        let (index, _) = self.system.contacts().find(|(_, pair)| pair.name == name)?;
+        let there = self.evaluated_at(&self.state.positions);
+        let (contact, corners) = self.loaded(index, &self.state.positions, &there);
+        let order = contact.pair.kernel.secondary().along();
+        Some(contact_fields::<D>(contact, &corners).in_order(&order))
+    }
+
+    fn contact_surfaces(&self) -> Vec<ContactSurface> {
+        let there = self.evaluated_at(&self.state.positions);
+        let reference = &self.system.nodes.reference;
+        let place = |node: u32| {
+            let node = node as usize;
+            let body = self.system.body_of(node);
+            (body, node - self.system.bodies[body].nodes.start)
+        };
+        let of = |(index, pair): (usize, &ContactPair)| {
+            let (contact, corners) = self.loaded(index, &self.state.positions, &there);
+            let surface = pair.kernel.secondary();
+            let order = surface.along();
+            let mut rank = vec![0; order.len()];
+            order.iter().zip(0u32..).for_each(|(&local, along)| rank[local] = along);
+            let nodes: Vec<u32> = order.iter().map(|&local| surface.nodes()[local]).collect();
+            let point = |&node: &u32| std::array::from_fn(|i| if i < D { reference[node as usize * D + i] } else { 0.0 });
+            ContactSurface {
+                name: pair.name.clone(),
+                points: nodes.iter().map(point).collect(),
+                nodes: nodes.into_iter().map(place).collect(),
+                facets: (0..surface.count())
+                    .map(|facet| surface.local_facet(facet).iter().map(|&local| rank[local as usize]).collect())
+                    .collect(),
+                fields: contact_fields::<D>(contact, &corners).in_order(&order),
+            }
+        };
+        self.system.contacts().filter(|(_, pair)| pair.kind != PairKind::Tie).map(of).collect()
+    }
+
+    fn closed_nodes(&self) -> Vec<usize> {
+        self.system.closed_nodes(&self.state.active)
+    }
+
+    fn friction_multipliers(&self) -> Vec<[f64; 2]> {
+        let lambda = &self.state.lambda;
+        let rows: Vec<(usize, usize)> = self.system.pairs.iter().flat_map(ContactPair::tangential).collect();
+        let of = |group: &[(usize, usize)]| match *group {
+            [(row, normal_row)] => [lambda[normal_row], lambda[row]],
+            _ => [lambda[group[0].1], group.iter().map(|&(row, _)| lambda[row]).fold(0.0, f64::hypot)],
+        };
+        rows.chunk_by(|a, b| a.1 == b.1).map(of).collect()
+    }
+
+    fn rank_bytes(&self) -> &[u64] {
+        self.system.rank_bytes()
+    }
+
+    fn halvings(&self) -> &[Halving] {
+        self.halvings.all()
+    }
+
+    fn findings_at_start(&self) -> Vec<RunFinding> {
+        let (dt, row) = (self.options.dt, &self.state.row);
+        let motions = self.system.sliding_by_velocity(&self.state.positions, &self.state.velocities, dt);
+        motions.iter().map(|motion| RunFinding::of_motion(RunFindingKind::Motion, motion, dt, row.step, row.time)).collect()
+    }
+
+    fn statistics(&self) -> Statistics {
+        let counters = &self.system.counters;
+        let calls = counters.calls_before_resume.plus(self.system.work().solver_calls(), counters.calls_at_resume);
+        Statistics {
+            factorizations: counters.factorizations,
+            discarded: counters.discarded,
+            linear: self.system.work(),
+            solver_calls: calls,
+            taken_over: self.system.taken_over(),
+            assemblies: counters.assemblies,
+            cells: self.system.bodies.iter().map(|body| body.elements.cliques().len()).sum(),
+            factor_bytes: self.system.factor_bytes(),
+            times: counters.times,
+            ..self.statistics
+        }
     }
 }
 
@@ -54,14 +323,14 @@ where
         let there = self.evaluated_at(q);
         for (index, pair) in self.system.contacts().filter(|(_, pair)| pair.kind != PairKind::Tie) {
             let (contact, corners) = self.loaded(index, q, &there);
-            let forces = contact_forces::<D>(contact, &corners, q);
+            let forces = contact_forces::<D>(contact, &corners);
             for (index, (node, force)) in forces.all.into_iter().enumerate() {
                 (0..3).for_each(|i| contact_force[node as usize][i] += force[i]);
                 if index < forces.normal_count {
                     (0..3).for_each(|i| contact_pressing[node as usize][i] += force[i]);
                 }
             }
-            let fields = contact_fields::<D>(contact, &corners, q);
+            let fields = contact_fields::<D>(contact, &corners);
             for (local, &node) in pair.kernel.secondary().nodes().iter().enumerate() {
                 let node = node as usize;
                 pressure[node] += fields.pressure[local];
@@ -135,138 +404,6 @@ where
         StressError::new(&*body.elements, self.present(body), body.nodes.clone(), &continuous).relative()
     }
 
-    /// Stress and strain inside the cells of a body, in the order of the cells.
-    pub fn cell_stresses(&self, body: usize, places: CellPlaces) -> Vec<CellStress> {
-        let (q, body, reference) = (&self.state.positions, &self.system.bodies[body], &self.system.nodes.reference);
-        let mut points = Vec::new();
-        body.elements.visit_stresses(self.present(body), &mut |point| {
-            let (mut position, mut rest) = ([0.0; 3], [0.0; 3]);
-            for (shape, &node) in point.shapes.iter().zip(point.nodes) {
-                (0..D).for_each(|i| position[i] += shape * q[node as usize * D + i]);
-                (0..D).for_each(|i| rest[i] += shape * reference[node as usize * D + i]);
-            }
-            let share = point.volume / point.cell_volume;
-            let kept = point.kept.unwrap_or_default();
-            points.push((
-                point.cell,
-                share,
-                CellStress {
-                    position,
-                    rest,
-                    energy: point.energy,
-                    stress: point.stress,
-                    strain: point.strain,
-                    plastic_strain: kept.plastic_strain,
-                    back_stress: kept.back_stress,
-                },
-            ));
-        });
-        points.sort_by_key(|point| point.0);
-        match places {
-            CellPlaces::Points => points.into_iter().map(|(.., values)| values).collect(),
-            CellPlaces::Cells => points.chunk_by(|a, b| a.0 == b.0).map(mean).collect(),
-        }
-    }
-
-    /// Totals of one body.
-    pub fn body_totals(&self, body: usize) -> BodyTotals {
-        let (system, state) = (&self.system, &self.state);
-        let Body { nodes, elements, .. } = &system.bodies[body];
-        let range = nodes.start * D..nodes.end * D;
-        let (q, v) = (&state.positions[range.clone()], &state.velocities[range.clone()]);
-        let momenta = &system.nodes.momenta_of(&state.velocities)[range.clone()];
-        let masses = &system.nodes.nodal_mass[nodes.clone()];
-        let mass = masses.iter().sum();
-        let mut center = [0.0; 3];
-        for (x, m) in q.chunks_exact(D).zip(masses) {
-            (0..D).for_each(|i| center[i] += m * x[i] / mass);
-        }
-        BodyTotals {
-            mass,
-            stress_error: self.estimated_error(body),
-            kinetic: half_product(v, momenta),
-            strain: elements.strain_energy(self.present(&system.bodies[body])),
-            potential: -q.iter().zip(&system.nodes.weight[range]).map(|(q, weight)| q * weight).sum::<f64>(),
-            momentum: system.nodes.resultant(momenta),
-            angular_momentum: system.nodes.moment(q, momenta),
-            center,
-        }
-    }
-
-    /// Rigid obstacles at their present positions; an obstacle shared by several contacts is listed once.
-    pub fn placed_obstacles(&self) -> Vec<PlacedObstacle> {
-        let mut placed: Vec<PlacedObstacle> = Vec::new();
-        for interaction in &self.model.interactions {
-            let Partner::Obstacle { shape, .. } = &interaction.partner else { continue };
-            let pair = self.system.pairs.iter().find(|pair| pair.kind == PairKind::Obstacle && pair.name == interaction.name);
-            let place = pair.map_or_else(Default::default, |pair| pair.kernel.obstacle_placement());
-            match placed.iter_mut().find(|other| other.shape == *shape && other.place == place) {
-                Some(same) => same.name = format!("{}, {}", same.name, interaction.name),
-                None => placed.push(PlacedObstacle { name: interaction.name.clone(), shape: shape.clone(), place }),
-            }
-        }
-        placed
-    }
-
-    /// Redundant constraints of ties and joints.
-    pub fn redundant_constraints(&self) -> Vec<RedundantConstraints> {
-        let system = &self.system;
-        let of = |pair: &ContactPair| {
-            let mut rows = pair.rows.clone().filter(|&row| system.redundant[row]);
-            let node = pair.node_of(rows.next()?).map(|node| {
-                let (body, number) = system.owner(node as usize);
-                let place = std::array::from_fn(|i| if i < D { system.nodes.reference[node as usize * D + i] } else { 0.0 });
-                (body.to_string(), number, place)
-            });
-            let (name, count, of) = (pair.name.clone(), rows.count() + 1, pair.rows.len());
-            // The last constraint of a joint is that of its drive.
-            let is_driven = pair.drive.is_some() && system.redundant[pair.rows.end - 1];
-            Some(RedundantConstraints { name, is_joint: pair.kind == PairKind::Joint, is_driven, count, of, node })
-        };
-        // Redundancy is expected, and not reported, for nodes of rigid bodies (supports hold more nodes than a body has motions) and for
-        // couplings (periodic pairs share corners).
-        let is_told = |pair: &&ContactPair| !matches!(pair.kind, PairKind::Rigidity | PairKind::Coupling(_));
-        system.pairs.iter().filter(is_told).filter_map(of).collect()
-    }
-
-    pub fn contact_fields(&self, name: &str) -> Option<ContactFields> {
-        let (index, _) = self.system.contacts().find(|(_, pair)| pair.name == name)?;
-        let there = self.evaluated_at(&self.state.positions);
-        let (contact, corners) = self.loaded(index, &self.state.positions, &there);
-        let order = contact.pair.kernel.secondary().along();
-        Some(contact_fields::<D>(contact, &corners, &self.state.positions).in_order(&order))
-    }
-
-    /// Secondary surfaces of all contacts except ties, in the order of the model.
-    pub fn contact_surfaces(&self) -> Vec<ContactSurface> {
-        let there = self.evaluated_at(&self.state.positions);
-        let reference = &self.system.nodes.reference;
-        let place = |node: u32| {
-            let node = node as usize;
-            let body = self.system.body_of(node);
-            (body, node - self.system.bodies[body].nodes.start)
-        };
-        let of = |(index, pair): (usize, &ContactPair)| {
-            let (contact, corners) = self.loaded(index, &self.state.positions, &there);
-            let surface = pair.kernel.secondary();
-            let order = surface.along();
-            let mut rank = vec![0; order.len()];
-            order.iter().zip(0u32..).for_each(|(&local, along)| rank[local] = along);
-            let nodes: Vec<u32> = order.iter().map(|&local| surface.nodes()[local]).collect();
-            let point = |&node: &u32| std::array::from_fn(|i| if i < D { reference[node as usize * D + i] } else { 0.0 });
-            ContactSurface {
-                name: pair.name.clone(),
-                points: nodes.iter().map(point).collect(),
-                nodes: nodes.into_iter().map(place).collect(),
-                facets: (0..surface.count())
-                    .map(|facet| surface.local_facet(facet).iter().map(|&local| rank[local as usize]).collect())
-                    .collect(),
-                fields: contact_fields::<D>(contact, &corners, &self.state.positions).in_order(&order),
-            }
-        };
-        self.system.contacts().filter(|(_, pair)| pair.kind != PairKind::Tie).map(of).collect()
-    }
-
     /// Evaluates normal and tangential constraints of all pairs at `q`, with the present multipliers.
     fn evaluated_at(&self, q: &[f64]) -> [Vec<Evaluation>; 2] {
         let evaluations = self.system.evaluations_at(q);
@@ -282,14 +419,14 @@ where
         [evaluations, slips]: &'a [Vec<Evaluation>; 2],
     ) -> (LoadedContact<'a>, Vec<LoadedContact<'a>>) {
         let State { lambda, active, slipped, .. } = &*self.state;
-        loaded(&self.system, index, &EvaluatedContacts { q, evaluations, slips, lambda, active, slipped })
+        EvaluatedContacts { q, evaluations, slips, lambda, active, slipped }.contact(&self.system, index)
     }
 
     /// Sums over each contact.
     pub fn contact_totals(&self, touching: &EvaluatedContacts) -> Vec<ContactTotals> {
         let of = |(index, _): (usize, &ContactPair)| {
-            let (contact, corners) = loaded(&self.system, index, touching);
-            totals::<D>(contact, &corners, touching.q)
+            let (contact, corners) = touching.contact(&self.system, index);
+            totals::<D>(contact, &corners)
         };
         self.system.contacts().map(of).collect()
     }
@@ -338,27 +475,4 @@ fn mean(points: &[(usize, f64, CellStress)]) -> CellStress {
         mean.energy += share * values.energy;
     }
     mean
-}
-
-/// A contact and its corners with their evaluations and multipliers.
-fn loaded<'a, const D: usize>(
-    system: &'a Equations<D>,
-    index: usize,
-    touching: &EvaluatedContacts<'a>,
-) -> (LoadedContact<'a>, Vec<LoadedContact<'a>>) {
-    let &EvaluatedContacts { q, evaluations, slips, lambda, active, slipped } = touching;
-    let of = |k: usize| {
-        let pair = &system.pairs[k];
-        let tangential = pair.friction.as_ref().map(|friction| Tangential {
-            evaluation: &slips[k],
-            lambda: &lambda[friction.rows.clone()],
-            active: &active[friction.rows.clone()],
-            slipped: &slipped[friction.rows.start - system.normal_count..friction.rows.end - system.normal_count],
-            count: friction.tangents,
-        });
-        let (lambda, active) = (&lambda[pair.rows.clone()], &active[pair.rows.clone()]);
-        LoadedContact { pair, q, evaluation: &evaluations[k], lambda, active, tangential }
-    };
-    let corners = (0..system.pairs.len()).filter(|&k| system.pairs[k].corners.is_some_and(|corners| corners.pair == index));
-    (of(index), corners.map(of).collect())
 }

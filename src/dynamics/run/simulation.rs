@@ -1,25 +1,16 @@
 //! A running simulation, independent of the space dimension.
 
+use std::ops::{Deref, DerefMut};
 use std::sync::Arc;
 
-use super::buckling::{Buckling, BucklingError};
 use super::engine::Engine;
-use super::fields::{
-    BodyFields, BodyTotals, CellPlaces, CellStress, ContactFields, ContactSurface, JointLoad, PlacedObstacle, RedundantConstraints,
-};
-use super::halvings::Halving;
-use super::harmonic::{HarmonicError, HarmonicOptions, HarmonicResponse};
 use super::ledger::LedgerRow;
-use super::modes::{Modes, ModesError};
-use super::options::{Options, SettleReport, Statistics};
+use super::options::{Options, SettleReport};
 use super::pace::StepControl;
-use super::paths::{Path, PathError, PathOptions};
-use super::report::FailureReport;
+use super::present_state::PresentState;
 use super::rows::Rows;
 use super::run_findings::{RunFinding, RunFindingKind, run_findings};
-use super::section_force::SectionForce;
 use super::solver_findings::taken_over;
-use super::stable_step::StableStep;
 use super::state::State;
 use super::steps::Steps;
 use super::tally::Tally;
@@ -41,6 +32,20 @@ pub struct Simulation {
     passed: Option<BodyPastObstacle>,
 }
 
+impl Deref for Simulation {
+    type Target = dyn PresentState;
+
+    fn deref(&self) -> &Self::Target {
+        &*self.steps
+    }
+}
+
+impl DerefMut for Simulation {
+    fn deref_mut(&mut self) -> &mut Self::Target {
+        &mut *self.steps
+    }
+}
+
 impl Simulation {
     /// Builds the kernels of a model in its initial configuration.
     ///
@@ -52,16 +57,6 @@ impl Simulation {
             _ => Box::new(Engine::<2>::new(model, options)?),
         };
         Ok(Simulation { steps, unpaired: UnpairedBodies::of(model), bounds: ObstacleBounds::of(model), passed: None })
-    }
-
-    /// Space dimension.
-    pub fn dimension(&self) -> usize {
-        self.steps.dimension()
-    }
-
-    /// Options of the simulation.
-    pub fn options(&self) -> &Options {
-        self.steps.options()
     }
 
     /// Changes the parameters of the next steps: nominal size `[time]`, Newton's tolerance, largest number of halvings. States contain none
@@ -80,11 +75,6 @@ impl Simulation {
     pub fn next_step(&self) -> f64 {
         let Options { control, dt, .. } = self.options();
         control.as_ref().map_or(*dt, |control| self.steps.state().pace.size(control, *dt))
-    }
-
-    /// Number of free displacement components.
-    pub fn unknowns(&self) -> usize {
-        self.steps.unknowns()
     }
 
     /// Current time `[time]`.
@@ -150,77 +140,6 @@ impl Simulation {
         }
     }
 
-    /// Slowest natural vibrations about the present state, which remains unchanged: active constraints are tied, viscosity is relaxed,
-    /// slipping friction has no effect.
-    ///
-    /// # Errors
-    /// [`ModesError`].
-    pub fn modes(&mut self, count: usize) -> Result<Modes, ModesError> {
-        self.steps.modes(count)
-    }
-
-    /// Steady vibrations about the present state under an excitation, with the assumptions of [`Self::modes`]; the state remains unchanged.
-    ///
-    /// # Errors
-    /// [`HarmonicError`].
-    pub fn harmonic_response(&mut self, options: &HarmonicOptions) -> Result<HarmonicResponse, HarmonicError> {
-        self.steps.harmonic_response(options)
-    }
-
-    /// Smallest factors of the present load at which the model buckles; the state is unchanged.
-    ///
-    /// # Errors
-    /// [`BucklingError`].
-    pub fn buckling(&mut self, count: usize) -> Result<Buckling, BucklingError> {
-        self.steps.buckling(count)
-    }
-
-    /// Longest stable explicit step about the present state, which is unchanged.
-    ///
-    /// # Errors
-    /// The forces cannot be computed.
-    ///
-    /// # Panics
-    /// With an integrator that solves equations.
-    pub fn stable_step(&mut self) -> Result<StableStep, StepError> {
-        self.steps.stable_step()
-    }
-
-    /// Follows equilibria along the load, whose parameter is the time of all time functions, from the present state; the simulation remains
-    /// unchanged. `told` receives the row of each equilibrium.
-    ///
-    /// # Errors
-    /// [`PathError`].
-    pub fn path(&mut self, options: &PathOptions, told: &mut dyn FnMut(&LedgerRow)) -> Result<Path, PathError> {
-        self.steps.path(options, told)
-    }
-
-    /// Boundary with the largest prescribed displacement at the first step from the present state, and the displacement `[length]`.
-    ///
-    /// # Errors
-    /// A time function failed.
-    pub fn prescribed_jump(&self) -> Result<Option<(String, f64)>, StepError> {
-        self.steps.prescribed_jump()
-    }
-
-    /// Checks that the sides of all contacts are apart or held by contact forces; `settle` includes this check.
-    ///
-    /// # Errors
-    /// Sides penetrate each other by more than half a facet without contact forces: the deepest place.
-    pub fn check_apart(&self) -> Result<(), StepError> {
-        self.steps.check_apart()
-    }
-
-    /// Records the motion of a node (bodies one after the other) in every row of the ledger from now on.
-    pub fn watch(&mut self, node: usize) {
-        self.steps.watch(node);
-    }
-
-    /// Indices of the watched nodes, whose motion is recorded in the ledger.
-    pub fn watched(&self) -> &[usize] {
-        self.steps.watched()
-    }
-
     /// The current state as a value.
     pub fn state(&self) -> State {
         State::clone(self.steps.state())
@@ -229,25 +148,6 @@ impl Simulation {
     /// The current state as a value that is shared, not copied.
     pub fn shared_state(&self) -> Arc<State> {
         self.steps.state().clone()
-    }
-
-    /// Restores a state of this simulation (or of one of the same model).
-    ///
-    /// # Panics
-    /// When the state is of another model (other numbers of nodes or multipliers).
-    pub fn restore(&mut self, state: &State) {
-        self.steps.restore(state);
-    }
-
-    /// Restricts the contact search to pairs of the present state; after a step it includes distant pairs of fast bodies. Fields and gaps
-    /// for output depend on the state only after this call; a restored state needs none.
-    pub fn look(&mut self) {
-        self.steps.look();
-    }
-
-    /// Adopts the ledger's row of a later step before its state is restored. No other function may be called before [`Self::restore`].
-    pub fn recall(&mut self, row: &LedgerRow) {
-        self.steps.recall(row);
     }
 
     /// Counters of the simulation.
@@ -264,102 +164,6 @@ impl Simulation {
     /// True if a state, possibly from a file, belongs to this model and refers to existing entities.
     pub fn fits(&self, state: &State) -> bool {
         state.has_shape_of(self.steps.state())
-    }
-
-    /// Nodal fields of every body.
-    pub fn fields(&self) -> Vec<BodyFields> {
-        self.steps.fields()
-    }
-
-    /// Totals of one body: mass, energies, momenta, center of mass.
-    ///
-    /// # Panics
-    /// The model has no body of that index.
-    pub fn body(&self, body: usize) -> BodyTotals {
-        self.steps.body(body)
-    }
-
-    /// Stress and strain inside of the cells of one body, in the order of the cells.
-    ///
-    /// # Panics
-    /// The model has no body of that index.
-    pub fn cell_stresses(&self, body: usize, places: CellPlaces) -> Vec<CellStress> {
-        self.steps.cell_stresses(body, places)
-    }
-
-    /// Force and moment of the material of a body in front of a plane, which cuts the undeformed body, on the material behind it; `None` if
-    /// no two cells are on different sides.
-    ///
-    /// # Panics
-    /// The model has no body of that index.
-    pub fn section_force(&self, body: usize, point: [f64; 3], normal: [f64; 3]) -> Option<SectionForce> {
-        self.steps.section_force(body, point, normal)
-    }
-
-    /// Ties and joints with redundant constraints, which depend on other constraints and on supports and are omitted.
-    pub fn redundant_constraints(&self) -> Vec<RedundantConstraints> {
-        self.steps.redundant_constraints()
-    }
-
-    /// Joints that the present velocities violate, with the rate at which the joint would open `[length/time]`.
-    pub fn loose_joints(&self) -> Vec<(String, f64)> {
-        self.steps.loose_joints()
-    }
-
-    /// Force and moment of the joint `name` on its second body; `None` without such a joint.
-    pub fn joint(&self, name: &str) -> Option<JointLoad> {
-        self.steps.joint(name)
-    }
-
-    /// Rigid obstacles at their present positions.
-    pub fn obstacles(&self) -> Vec<PlacedObstacle> {
-        self.steps.obstacles()
-    }
-
-    /// Quantities of the contact pair `name`; `None` without such a pair.
-    pub fn contact(&self, name: &str) -> Option<ContactFields> {
-        self.steps.contact(name)
-    }
-
-    /// Secondary surfaces of all contacts except ties, with contact quantities, in the order of the model.
-    pub fn contact_surfaces(&self) -> Vec<ContactSurface> {
-        self.steps.contact_surfaces()
-    }
-
-    /// Number of active nodes of each contact pair, in the order of the model.
-    pub fn closed_nodes(&self) -> Vec<usize> {
-        self.steps.closed_nodes()
-    }
-
-    /// Multipliers of the last step in every constraint of every contact with friction: normal `[stress]`, and tangential `[stress]`, which
-    /// the friction law bounds by the normal one. Corners have forces `[force]`, axisymmetric bodies stresses times circumferences.
-    pub fn friction_multipliers(&self) -> Vec<[f64; 2]> {
-        self.steps.friction_multipliers()
-    }
-
-    /// Report of the last step that failed after all tries; `None` without a failure.
-    pub fn failure(&self) -> Option<&FailureReport> {
-        self.steps.failure()
-    }
-
-    /// Nodal fields of the iterate at which the last failed step was abandoned; velocities are those of the last accepted state.
-    pub fn failed_fields(&self) -> Option<Vec<BodyFields>> {
-        self.steps.failed_fields()
-    }
-
-    /// Counters and times so far.
-    pub fn statistics(&self) -> Statistics {
-        self.steps.statistics()
-    }
-
-    /// Largest memory of each rank of a distributed solver `[bytes]`; empty for others.
-    pub fn rank_bytes(&self) -> &[u64] {
-        self.steps.rank_bytes()
-    }
-
-    /// Halvings by cause since the simulation was made, including steps halved before an attempt.
-    pub fn halvings(&self) -> &[Halving] {
-        self.steps.halvings()
     }
 
     /// Findings on a run of this simulation with the rows `rows` of its ledger.
@@ -445,11 +249,6 @@ impl Simulation {
         let explanation = format!("\"{body}\" was {facets:.2} facets deep in it at ({}), where it has no secondary surface", at.join(", "));
         let (kind, contact) = (RunFindingKind::PassedObstacle, Some(contact.clone()));
         Some(RunFinding { kind, contact, value: *facets, limit: DEPTH, step: *step, time: *time, explanation })
-    }
-
-    /// Findings from the initial velocities: contacts whose sides slide so fast that steps would be halved.
-    pub fn findings_at_start(&self) -> Vec<RunFinding> {
-        self.steps.findings_at_start()
     }
 
     /// End of the last step in which a load acted, 0 without one `[time]`.

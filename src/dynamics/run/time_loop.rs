@@ -4,24 +4,13 @@
 
 use std::sync::Arc;
 
-use super::buckling::{Buckling, BucklingError};
-use super::closing::Closing;
 use super::engine::Engine;
 use super::failed::tried;
-use super::fields::{
-    BodyFields, BodyTotals, CellPlaces, CellStress, ContactFields, ContactSurface, JointLoad, PlacedObstacle, RedundantConstraints,
-};
-use super::halvings::Halving;
-use super::harmonic::{HarmonicError, HarmonicOptions, HarmonicResponse};
 use super::ledger::LedgerRow;
-use super::modes::{Modes, ModesError};
 use super::options::{Options, SettleReport, Statistics};
 use super::pace::StepControl;
-use super::paths::{Path, PathError, PathOptions};
-use super::report::FailureReport;
-use super::run_findings::{Measures, RunFinding, RunFindingKind};
-use super::section_force::SectionForce;
-use super::stable_step::StableStep;
+use super::present_state::PresentState;
+use super::run_findings::Measures;
 use super::state::{Clock, State};
 use super::steps::Steps;
 use super::substeps::Substeps;
@@ -29,7 +18,6 @@ use super::tally::Tally;
 use super::validity::OutOfValidity;
 use crate::bodies::{Elements, Space};
 use crate::dynamics::model::step_error::StepError;
-use crate::dynamics::parts::contact_pair::ContactPair;
 use crate::dynamics::parts::laws::RowState;
 use crate::dynamics::step::failure::Failure;
 use crate::math::tolerances;
@@ -48,46 +36,12 @@ impl<const D: usize> Steps for Engine<D>
 where
     Space<D>: Elements<D>,
 {
-    fn dimension(&self) -> usize {
-        D
-    }
-
-    fn options(&self) -> &Options {
-        &self.options
-    }
-
     fn options_mut(&mut self) -> &mut Options {
         &mut self.options
     }
 
-    fn unknowns(&self) -> usize {
-        self.system.supports.fixed.iter().filter(|fixed| !**fixed).count()
-    }
-
     fn state(&self) -> &Arc<State> {
         &self.state
-    }
-
-    fn restore(&mut self, state: &State) {
-        assert_eq!(
-            (state.positions.len(), state.lambda.len()),
-            (self.state.positions.len(), self.state.lambda.len()),
-            "the state is of the same model"
-        );
-        self.state = Arc::new(state.clone());
-        if self.state.row.probes.len() != self.probes.len() {
-            // Watched nodes may differ from those of the restored state.
-            Arc::make_mut(&mut self.state).row.probes = self.probe_values(&state.displacements, &state.velocities, &state.accelerations);
-        }
-        self.system.restore_search(&state.search, &state.positions, state.row.time);
-    }
-
-    fn look(&mut self) {
-        self.restore_search();
-    }
-
-    fn recall(&mut self, row: &LedgerRow) {
-        Arc::make_mut(&mut self.state).row.clone_from(row);
     }
 
     fn tally(&self) -> Tally {
@@ -113,39 +67,6 @@ where
             self.restore_search();
         }
         outcome.map_err(|error| self.options.or_interrupted(error, self.state.row.time))
-    }
-
-    fn prescribed_jump(&self) -> Result<Option<(String, f64)>, StepError> {
-        let supports = &self.system.supports;
-        let (displacement, _) = supports.prescribed_motion(self.state.row.time)?;
-        let jumps = supports.prescribed.iter().zip(displacement).map(|(one, then)| (one, then - self.state.displacements[one.unknown]));
-        let farthest = jumps.max_by(|(_, a), (_, b)| a.abs().total_cmp(&b.abs()));
-        let seen = farthest.filter(|(_, jump)| jump.abs() > tolerances::JUMP * self.system.nodes.extent);
-        Ok(seen.map(|(one, jump)| (supports.boundary(one).to_string(), jump)))
-    }
-
-    fn check_apart(&self) -> Result<(), StepError> {
-        self.check_overlaps(&Closing::of(&self.model))
-    }
-
-    fn modes(&mut self, count: usize) -> Result<Modes, ModesError> {
-        self.find_modes(count)
-    }
-
-    fn harmonic_response(&mut self, options: &HarmonicOptions) -> Result<HarmonicResponse, HarmonicError> {
-        self.find_response(options)
-    }
-
-    fn buckling(&mut self, count: usize) -> Result<Buckling, BucklingError> {
-        self.find_buckling(count)
-    }
-
-    fn stable_step(&mut self) -> Result<StableStep, StepError> {
-        Engine::stable_step(self)
-    }
-
-    fn path(&mut self, options: &PathOptions, told: &mut dyn FnMut(&LedgerRow)) -> Result<Path, PathError> {
-        self.find_path(options, told)
     }
 
     fn settle(&mut self, time: f64, friction: bool) -> Result<SettleReport, StepError> {
@@ -175,92 +96,12 @@ where
         outcome.map_err(|error| self.options.or_interrupted(error, time))
     }
 
-    fn watch(&mut self, node: usize) {
-        self.probes.push(node);
-        let probes = self.probe_values(&self.state.displacements, &self.state.velocities, &self.state.accelerations);
-        Arc::make_mut(&mut self.state).row.probes = probes;
-    }
-
-    fn watched(&self) -> &[usize] {
-        &self.probes
-    }
-
-    fn fields(&self) -> Vec<BodyFields> {
-        self.fields_at(&self.state.displacements)
-    }
-
-    fn failure(&self) -> Option<&FailureReport> {
-        self.failure.as_ref().map(|(report, _)| report)
-    }
-
-    fn failed_fields(&self) -> Option<Vec<BodyFields>> {
-        self.failure.as_ref().map(|(_, u)| self.fields_at(u))
-    }
-
-    fn cell_stresses(&self, body: usize, places: CellPlaces) -> Vec<CellStress> {
-        self.cell_stresses(body, places)
-    }
-
-    fn section_force(&self, body: usize, point: [f64; 3], normal: [f64; 3]) -> Option<SectionForce> {
-        self.section_force_of(body, point, normal)
-    }
-
-    fn body(&self, body: usize) -> BodyTotals {
-        self.body_totals(body)
-    }
-
     fn excesses(&self) -> Vec<OutOfValidity> {
         self.excessive_cells()
     }
 
-    fn redundant_constraints(&self) -> Vec<RedundantConstraints> {
-        self.redundant_constraints()
-    }
-
     fn stress_errors(&self) -> Vec<(&str, f64)> {
         self.system.bodies.iter().enumerate().map(|(index, body)| (body.name.as_str(), self.estimated_error(index))).collect()
-    }
-
-    fn loose_joints(&self) -> Vec<(String, f64)> {
-        Engine::loose_joints(self)
-    }
-
-    fn joint(&self, name: &str) -> Option<JointLoad> {
-        self.joint_load(name)
-    }
-
-    fn obstacles(&self) -> Vec<PlacedObstacle> {
-        self.placed_obstacles()
-    }
-
-    fn contact(&self, name: &str) -> Option<ContactFields> {
-        self.contact_fields(name)
-    }
-
-    fn contact_surfaces(&self) -> Vec<ContactSurface> {
-        Engine::contact_surfaces(self)
-    }
-
-    fn closed_nodes(&self) -> Vec<usize> {
-        self.system.closed_nodes(&self.state.active)
-    }
-
-    fn friction_multipliers(&self) -> Vec<[f64; 2]> {
-        let lambda = &self.state.lambda;
-        let rows: Vec<(usize, usize)> = self.system.pairs.iter().flat_map(ContactPair::tangential).collect();
-        let of = |group: &[(usize, usize)]| match *group {
-            [(row, normal_row)] => [lambda[normal_row], lambda[row]],
-            _ => [lambda[group[0].1], group.iter().map(|&(row, _)| lambda[row]).fold(0.0, f64::hypot)],
-        };
-        rows.chunk_by(|a, b| a.1 == b.1).map(of).collect()
-    }
-
-    fn rank_bytes(&self) -> &[u64] {
-        self.system.rank_bytes()
-    }
-
-    fn halvings(&self) -> &[Halving] {
-        self.halvings.all()
     }
 
     fn measures(&self) -> Measures<'_> {
@@ -279,29 +120,6 @@ where
             refused: self.halvings.refused(),
             factorizations: system.counters.factorizations,
             discarded: system.counters.discarded,
-        }
-    }
-
-    fn findings_at_start(&self) -> Vec<RunFinding> {
-        let (dt, row) = (self.options.dt, &self.state.row);
-        let motions = self.system.sliding_by_velocity(&self.state.positions, &self.state.velocities, dt);
-        motions.iter().map(|motion| RunFinding::of_motion(RunFindingKind::Motion, motion, dt, row.step, row.time)).collect()
-    }
-
-    fn statistics(&self) -> Statistics {
-        let counters = &self.system.counters;
-        let calls = counters.calls_before_resume.plus(self.system.work().solver_calls(), counters.calls_at_resume);
-        Statistics {
-            factorizations: counters.factorizations,
-            discarded: counters.discarded,
-            linear: self.system.work(),
-            solver_calls: calls,
-            taken_over: self.system.taken_over(),
-            assemblies: counters.assemblies,
-            cells: self.system.bodies.iter().map(|body| body.elements.cliques().len()).sum(),
-            factor_bytes: self.system.factor_bytes(),
-            times: counters.times,
-            ..self.statistics
         }
     }
 }

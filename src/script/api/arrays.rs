@@ -94,7 +94,6 @@ fn linspace() -> Function {
             Parameter::number("last", "any", Interval::Finite, "the last number"),
             Parameter::integer("count", "how many, both ends among them").within(Interval::Closed(2.0, MAX_ARRAY as f64)),
         ])
-        .returns("Array")
         .see_also(&["sum", "mean"])
         .example("for t in linspace(0.0, 1.0, 5) { print(t); }")
         .body(|call| {
@@ -104,6 +103,6 @@ fn linspace() -> Function {
                 // Exact at both ends.
                 Dynamic::from(first * (1.0 - share) + last * share)
             };
-            Ok((0..count).map(number).collect::<Array>().into())
+            Ok((0..count).map(number).collect::<Array>())
         })
 }

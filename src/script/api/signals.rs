@@ -139,7 +139,7 @@ fn interpolate() -> Function {
                 return Err(failure.hint("sort the points, and give each `x` once").into());
             }
             match as_number(&at.value()) {
-                Some(at) => Ok(interpolated(at, &x, &y).into()),
+                Some(at) => Ok(Dynamic::from(interpolated(at, &x, &y))),
                 None if at.value().is_array() => Ok(array_of(array(call, "at")?.into_iter().map(|at| interpolated(at, &x, &y))).into()),
                 None => Err(at.wrong_type().into()),
             }

@@ -262,12 +262,11 @@ fn hat() -> Function {
     function(Topic::TimeFunctions, "hat")
         .summary("zero, up to `peak` in the middle between `start` and `end`, and back to zero, linearly")
         .parameters(vec![start, end, Parameter::number("peak", "any", Interval::Finite, "the largest value")])
-        .returns(TimeFunctionHandle::NAME)
         .see_also(&["ramp", "sine", "table"])
         .example("let spin_up = hat(0.0, 0.5, 0.1);")
         .body(|call| {
             let (start, end) = window_of(call)?;
-            Ok(Dynamic::from(TimeFunctionHandle(Arc::new(Hat { start, end, peak: call.number("peak")? }))))
+            Ok(TimeFunctionHandle(Arc::new(Hat { start, end, peak: call.number("peak")? })))
         })
 }
 
@@ -276,12 +275,11 @@ fn ramp() -> Function {
     function(Topic::TimeFunctions, "ramp")
         .summary("zero until `start`, linear to `value` at `end`, constant afterwards")
         .parameters(vec![start, end, Parameter::number("value", "any", Interval::Finite, "the final value")])
-        .returns(TimeFunctionHandle::NAME)
         .see_also(&["hat", "sine", "table"])
         .example("let push = ramp(0.0, 1.0, 50.0);")
         .body(|call| {
             let (start, end) = window_of(call)?;
-            Ok(Dynamic::from(TimeFunctionHandle(Arc::new(Ramp { start, end, value: call.number("value")? }))))
+            Ok(TimeFunctionHandle(Arc::new(Ramp { start, end, value: call.number("value")? })))
         })
 }
 
@@ -292,12 +290,11 @@ fn sine() -> Function {
             Parameter::number("amplitude", "any", Interval::Finite, "the largest value"),
             Parameter::number("frequency", "1/time", Interval::Finite, "cycles per time"),
         ])
-        .returns(TimeFunctionHandle::NAME)
         .see_also(&["hat", "ramp", "table"])
         .example("let shake = sine(2.0, 5.0);")
         .body(|call| {
             let (amplitude, frequency) = (call.number("amplitude")?, call.number("frequency")?);
-            Ok(Dynamic::from(TimeFunctionHandle(Arc::new(Sine { amplitude, frequency }))))
+            Ok(TimeFunctionHandle(Arc::new(Sine { amplitude, frequency })))
         })
 }
 
@@ -311,14 +308,13 @@ fn table() -> Function {
             Parameter::array("points", "an array of `[time, value]` pairs with increasing times, or the times"),
             Parameter::array("values", "the values at the times").otherwise("`points` are pairs"),
         ])
-        .returns(TimeFunctionHandle::NAME)
         .see_also(&["hat", "ramp", "sine", "read_csv"])
         .example("let history = table([[0.0, 0.0], [0.1, 5.0], [0.4, 1.0]]);\nlet same = table([0.0, 0.1, 0.4], [0.0, 5.0, 1.0]);")
         .body(|call| {
             let (argument, values) = (call.argument("points"), call.argument("values"));
             let points = if values.is_given() { pairs_of(&argument, &values)? } else { points_of(&argument, ["time", "value"])? };
             match Table::new(points) {
-                Some(table) => Ok(Dynamic::from(TimeFunctionHandle(Arc::new(table)))),
+                Some(table) => Ok(TimeFunctionHandle(Arc::new(table))),
                 None => {
                     Err(argument.refuse(causes::COUNT, "`table` needs at least one point").hint("write `[[0.0, 0.0], [1.0, 5.0]]`").into())
                 }

@@ -68,10 +68,17 @@ impl<'a> Call<'a> {
     /// # Errors
     /// The value is not a map.
     pub fn options(&self, name: &str) -> Result<Options<'_>, Failure> {
-        let index = self.index(name);
-        let Some(keys) = self.function.parameters[index].kind.keys() else {
-            panic!("`{name}` of `{}` is declared as options", self.function.name)
-        };
+        self.options_at(self.index(name))
+    }
+
+    /// Returns the options map that is the last parameter.
+    pub(super) fn last_options(&self) -> Result<Options<'_>, Failure> {
+        self.options_at(self.function.parameters.len() - 1)
+    }
+
+    fn options_at(&self, index: usize) -> Result<Options<'_>, Failure> {
+        let Parameter { name, kind, .. } = &self.function.parameters[index];
+        let Some(keys) = kind.keys() else { panic!("`{name}` of `{}` is declared as options", self.function.name) };
         let map = match self.value(index) {
             None => Map::new(),
             Some(value) => value.read_lock::<Map>().map(|map| map.clone()).ok_or_else(|| self.argument(name).wrong_type())?,

@@ -7,8 +7,9 @@ use std::borrow::Cow;
 use std::marker::PhantomData;
 use std::rc::Rc;
 
-use rhai::{Dynamic, EvalAltResult};
+use rhai::{Array, Dynamic, EvalAltResult, Map};
 
+use super::arguments::Options;
 use super::function::{Call, Form, Function, Topic};
 use super::handle::Handle;
 use super::parameter::Parameter;
@@ -83,7 +84,7 @@ impl<T> Described<T> {
         self
     }
 
-    /// Adds the name of the type of the returned value.
+    /// Adds the name of the type of the returned value, if it is no object of the language.
     pub fn returns(mut self, name: &'static str) -> Self {
         self.function.returns = name;
         self
@@ -108,16 +109,110 @@ pub struct Exemplified<T> {
     receiver: PhantomData<T>,
 }
 
+impl<T> Exemplified<T> {
+    fn with<R: Returned>(self, closure: impl Fn(&Call) -> Result<R, Box<EvalAltResult>> + 'static) -> Function {
+        let returns = if R::NAME.is_empty() { self.function.returns } else { R::NAME };
+        Function { returns, body: Rc::new(move |call| closure(call).map(R::into_dynamic)), ..self.function }
+    }
+}
+
 impl Exemplified<()> {
     /// Completes the declaration by the native implementation.
-    pub fn body(self, closure: impl Fn(&Call) -> Result<Dynamic, Box<EvalAltResult>> + 'static) -> Function {
-        Function { body: Rc::new(closure), ..self.function }
+    pub fn body<R: Returned>(self, closure: impl Fn(&Call) -> Result<R, Box<EvalAltResult>> + 'static) -> Function {
+        self.with(closure)
+    }
+
+    /// Completes the declaration by the native implementation, which receives the last parameter, an options map.
+    pub fn body_with_options<R: Returned>(self, closure: impl Fn(&Call, Options) -> Result<R, Box<EvalAltResult>> + 'static) -> Function {
+        self.with(move |call| closure(call, call.last_options()?))
     }
 }
 
 impl<T: Handle> Exemplified<T> {
     /// Completes the declaration by the native implementation, which receives the object of the method or property.
-    pub fn body(self, closure: impl Fn(&Call, T) -> Result<Dynamic, Box<EvalAltResult>> + 'static) -> Function {
-        Function { body: Rc::new(move |call| closure(call, call.receiver())), ..self.function }
+    pub fn body<R: Returned>(self, closure: impl Fn(&Call, T) -> Result<R, Box<EvalAltResult>> + 'static) -> Function {
+        self.with(move |call| closure(call, call.receiver()))
+    }
+
+    /// Completes the declaration by the native implementation, which receives the object of the method and the last parameter, an options
+    /// map.
+    pub fn body_with_options<R: Returned>(
+        self,
+        closure: impl Fn(&Call, T, Options) -> Result<R, Box<EvalAltResult>> + 'static,
+    ) -> Function {
+        self.with(move |call| closure(call, call.receiver(), call.last_options()?))
+    }
+}
+
+/// Value returned by a native implementation. Objects of the language name their type themselves; other types are named by the declaration.
+pub trait Returned {
+    /// Name of the type in the reference; empty if the declaration names it, or for no value.
+    const NAME: &'static str;
+
+    /// Returns the value as passed to the engine.
+    fn into_dynamic(self) -> Dynamic;
+}
+
+impl<T: Handle> Returned for T {
+    const NAME: &'static str = T::NAME;
+
+    fn into_dynamic(self) -> Dynamic {
+        Dynamic::from(self)
+    }
+}
+
+impl Returned for Dynamic {
+    const NAME: &'static str = "";
+
+    fn into_dynamic(self) -> Dynamic {
+        self
+    }
+}
+
+impl Returned for () {
+    const NAME: &'static str = "";
+
+    fn into_dynamic(self) -> Dynamic {
+        Dynamic::UNIT
+    }
+}
+
+impl Returned for f64 {
+    const NAME: &'static str = "number";
+
+    fn into_dynamic(self) -> Dynamic {
+        self.into()
+    }
+}
+
+impl Returned for bool {
+    const NAME: &'static str = "bool";
+
+    fn into_dynamic(self) -> Dynamic {
+        self.into()
+    }
+}
+
+impl Returned for String {
+    const NAME: &'static str = "String";
+
+    fn into_dynamic(self) -> Dynamic {
+        self.into()
+    }
+}
+
+impl Returned for Array {
+    const NAME: &'static str = "Array";
+
+    fn into_dynamic(self) -> Dynamic {
+        self.into()
+    }
+}
+
+impl Returned for Map {
+    const NAME: &'static str = "Map";
+
+    fn into_dynamic(self) -> Dynamic {
+        self.into()
     }
 }

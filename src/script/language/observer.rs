@@ -77,22 +77,22 @@ pub enum Event<'a> {
     },
 }
 
-/// Observer of a session: printed lines, checks, progress.
+/// Observer of a session: printed lines, checks, progress. Reports without a function are ignored.
 pub trait Observer {
     /// Shows a line printed by the script.
-    fn print(&self, line: &str);
+    fn print(&self, _line: &str) {}
     /// Reports a check that holds, with its measured value.
-    fn passed(&self, line: &str);
+    fn passed(&self, _line: &str) {}
     /// Reports a warning; the run continues.
-    fn warn(&self, warning: &Diagnostic);
+    fn warn(&self, _warning: &Diagnostic) {}
     /// An accepted step.
-    fn advanced(&self, progress: &Progress);
+    fn advanced(&self, _progress: &Progress) {}
     /// Reports an event, right before the step to which it belongs.
     fn noticed(&self, _event: &Event) {}
     /// Reports the start of a long computation without steps, such as `settle`.
-    fn began(&self, what: &str);
+    fn began(&self, _what: &str) {}
     /// Reports the end of a computation that reported progress.
-    fn ended(&self);
+    fn ended(&self) {}
     /// Returns the rendering of printed lines; plain by default.
     fn ink(&self) -> Ink {
         Ink::Plain
@@ -102,11 +102,4 @@ pub trait Observer {
 /// Observer that ignores all reports.
 pub struct Silent;
 
-impl Observer for Silent {
-    fn print(&self, _: &str) {}
-    fn passed(&self, _: &str) {}
-    fn warn(&self, _: &Diagnostic) {}
-    fn advanced(&self, _: &Progress) {}
-    fn began(&self, _: &str) {}
-    fn ended(&self) {}
-}
+impl Observer for Silent {}

@@ -26,7 +26,7 @@ use crate::script::language::diagnostics::Diagnostic;
 use crate::script::language::explain::explain;
 use crate::script::language::function::Form;
 use crate::script::language::lint::lint;
-use crate::script::language::observer::{Observer, Progress};
+use crate::script::language::observer::Observer;
 use crate::script::language::registry::Registry;
 use crate::script::language::settings::{Mode, Settings};
 use crate::script::language::sources::SourceSpan;
@@ -42,14 +42,9 @@ type Unknown = BTreeMap<String, Option<&'static str>>;
 struct Warnings(RefCell<Vec<Diagnostic>>);
 
 impl Observer for Warnings {
-    fn print(&self, _: &str) {}
-    fn passed(&self, _: &str) {}
     fn warn(&self, warning: &Diagnostic) {
         self.0.borrow_mut().push(warning.clone());
     }
-    fn advanced(&self, _: &Progress) {}
-    fn began(&self, _: &str) {}
-    fn ended(&self) {}
 }
 
 /// Result of a check.

@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use super::interactive::Interactive;
 use super::session::Session;
 use crate::script::api::simulations::handle::Simulations;
-use crate::script::language::diagnostics::{Diagnostic, Ink};
+use crate::script::language::diagnostics::Ink;
 use crate::script::language::observer::{Observer, Progress, Silent};
 use crate::script::language::settings::Settings;
 
@@ -291,9 +291,6 @@ struct Stopper {
 }
 
 impl Observer for Stopper {
-    fn print(&self, _: &str) {}
-    fn passed(&self, _: &str) {}
-    fn warn(&self, _: &Diagnostic) {}
     fn advanced(&self, _: &Progress) {
         let left = self.after.borrow().wrapping_sub(1);
         *self.after.borrow_mut() = left;
@@ -301,8 +298,6 @@ impl Observer for Stopper {
             self.interrupt.store(true, std::sync::atomic::Ordering::Relaxed);
         }
     }
-    fn began(&self, _: &str) {}
-    fn ended(&self) {}
 }
 
 #[test]

@@ -17,7 +17,7 @@ use std::time::{Duration, Instant};
 use super::session::{Session, read_script};
 use crate::script::language::diagnostics::{Diagnostic, Ink};
 use crate::script::language::failure::Class;
-use crate::script::language::observer::{Observer, Progress};
+use crate::script::language::observer::Observer;
 use crate::script::language::settings::Settings;
 use crate::script::language::sources::SourceSpan;
 
@@ -273,10 +273,6 @@ impl Observer for Capture {
         self.say(&warning.render(Ink::Plain));
         self.warnings.borrow_mut().push(warning.clone());
     }
-
-    fn advanced(&self, _: &Progress) {}
-    fn began(&self, _: &str) {}
-    fn ended(&self) {}
 }
 
 #[cfg(test)]

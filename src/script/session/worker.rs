@@ -24,7 +24,7 @@ use crate::script::language::failure::Class;
 use crate::script::language::handle::Types;
 use crate::script::language::host::Host;
 use crate::script::language::message::Message;
-use crate::script::language::observer::{Observer, Progress};
+use crate::script::language::observer::Observer;
 use crate::script::language::plain::Plain;
 use crate::script::language::registry::Registry;
 use crate::script::language::sandbox::Sandbox;
@@ -183,8 +183,4 @@ impl Observer for Notes {
     fn warn(&self, warning: &Diagnostic) {
         self.told.borrow_mut().push(ScriptOutput::Warning(Message::of(warning)));
     }
-
-    fn advanced(&self, _: &Progress) {}
-    fn began(&self, _: &str) {}
-    fn ended(&self) {}
 }

@@ -41,12 +41,12 @@ pub fn expect_conserved() -> Function {
         .body(conserved)
 }
 
-fn conserved(call: &Call) -> Result<Dynamic, Box<EvalAltResult>> {
+fn conserved(call: &Call) -> Result<(), Box<EvalAltResult>> {
     let (handle, quantity, options) = (call.handle::<SimulationHandle>("simulation")?, call.text("quantity")?, call.options("options")?);
     let (after, tolerance) = (options.number("after")?, options.number("tolerance")?);
     let what = format!("{} of \"{}\" after t = {}", title(&quantity), handle.0.name, number_text(after));
     if only_listed(call, &format!("{what} drifts by at most {}", number_text(tolerance))) {
-        return Ok(Dynamic::UNIT);
+        return Ok(());
     }
     let rows = handle.0.history.borrow();
     // The first step that begins at `after` or later; it may begin a little before, because steps meet a time only up to round-off.

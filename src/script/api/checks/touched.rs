@@ -26,7 +26,7 @@ pub fn expect_contact() -> Function {
         .body(closed)
 }
 
-fn closed(call: &Call) -> Result<Dynamic, Box<EvalAltResult>> {
+fn closed(call: &Call) -> Result<(), Box<EvalAltResult>> {
     let (handle, argument, when) = (call.handle::<SimulationHandle>("simulation")?, call.argument("name"), call.text("when")?);
     let name = argument.text()?;
     let names = handle.0.model.model.contact_names();
@@ -34,7 +34,7 @@ fn closed(call: &Call) -> Result<Dynamic, Box<EvalAltResult>> {
         return Err(argument.unknown_name(format!("there is no contact \"{name}\""), &name, &names).into());
     };
     if only_listed(call, &format!("contact \"{name}\" of \"{}\" closes", handle.0.name)) {
-        return Ok(Dynamic::UNIT);
+        return Ok(());
     }
     let (nodes, time) = handle.with(call, |simulation| (simulation.closed_nodes()[index], simulation.time()))?;
     let time = handle.0.history.borrow().last().map_or(time, |row| row.time);

@@ -25,7 +25,7 @@ pub fn expect() -> Function {
                 call.place(&Target::Argument(0)).map(|place| place.text[place.range].split_whitespace().collect::<Vec<_>>().join(" "));
             let text = text.unwrap_or_else(|| "the condition".into());
             if only_listed(call, &text) {
-                return Ok(Dynamic::UNIT);
+                return Ok(());
             }
             if condition {
                 passed(call, &format!("ok  {text}"))
@@ -54,7 +54,7 @@ pub fn expect_close() -> Function {
         .body(compare)
 }
 
-fn compare(call: &Call) -> Result<Dynamic, Box<EvalAltResult>> {
+fn compare(call: &Call) -> Result<(), Box<EvalAltResult>> {
     let options = call.options("tolerances")?;
     let (relative, absolute) = (options.optional_number("relative")?, options.optional_number("absolute")?);
     let relative = if relative.is_none() && absolute.is_none() { Some(CLOSE) } else { relative };
@@ -69,7 +69,7 @@ fn compare(call: &Call) -> Result<Dynamic, Box<EvalAltResult>> {
     let texts =
         [0, 1].map(|index| call.place(&Target::Argument(index)).map(|place| place.text[place.range].to_string()).unwrap_or_default());
     if only_listed(call, &format!("{} is {} ({tolerance})", texts[0], texts[1])) {
-        return Ok(Dynamic::UNIT);
+        return Ok(());
     }
     if a.len() != b.len() {
         let failure = failed(call, "the two arrays have different lengths").label("compared here");
@@ -121,12 +121,12 @@ pub fn expect_error() -> Function {
         .body(must_fail)
 }
 
-fn must_fail(call: &Call) -> Result<Dynamic, Box<EvalAltResult>> {
+fn must_fail(call: &Call) -> Result<(), Box<EvalAltResult>> {
     let (action, text) = (call.callback("action")?, call.text("text")?);
     let source = call.place(&Target::Argument(0)).map(|place| place.text[place.range].split_whitespace().collect::<Vec<_>>().join(" "));
     let source = source.unwrap_or_default();
     if only_listed(call, &format!("`{source}` fails with \"{text}\"")) {
-        return Ok(Dynamic::UNIT);
+        return Ok(());
     }
     let error = match action.call([]) {
         Ok(_) => {

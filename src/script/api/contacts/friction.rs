@@ -63,14 +63,12 @@ fn coulomb() -> Function {
             number("most", "stress", Interval::Positive, "the maximum shear stress", "no bound"),
             Parameter::number("viscosity", "stress*time/length", Interval::NonNegative, "the shear stress per speed of a film").or(0.0),
         ])
-        .returns(FrictionHandle::NAME)
         .see_also(&["friction_curve", "rough", "add_contact"])
         .example(
             "print(coulomb(#{ coefficient: 0.3 }));\nlet rubber = coulomb(#{ coefficient: 0.6, at_rest: 1.5, transition_speed: 0.01, \
                   viscosity: 20.0 });",
         )
-        .body(|call| {
-            let options = call.options("options")?;
+        .body_with_options(|_, options| {
             let coefficient = coefficient_of(&options.argument("coefficient"))?;
             let static_ratio = options.optional_number("at_rest")?.unwrap_or(1.0);
             let transition = options.optional_number("transition_speed")?;
@@ -107,7 +105,7 @@ fn coulomb() -> Function {
             let entries: Vec<String> =
                 std::iter::once(format!("coefficient: {}", written(&coefficient))).chain(others.iter().filter_map(number)).collect();
             let written = format!("coulomb(#{{ {} }})", entries.join(", "));
-            Ok(Dynamic::from(FrictionHandle { friction: Friction { law: Arc::new(law), coefficient }, written }))
+            Ok(FrictionHandle { friction: Friction { law: Arc::new(law), coefficient }, written })
         })
 }
 
@@ -129,7 +127,6 @@ fn friction_curve() -> Function {
             "the coefficient: linear between pairs and constant beyond them; a closure is evaluated once at 128 speeds in every power of \
              ten",
         )])
-        .returns(FrictionHandle::NAME)
         .see_also(&["coulomb", "rough", "add_contact"])
         .example(
             "let measured = friction_curve([[0.0, 0.45], [0.05, 0.32], [1.0, 0.3]]);
@@ -159,7 +156,7 @@ fn friction_curve() -> Function {
             };
             warn_of_percent(&argument, if least.is_finite() { least } else { 0.0 });
             let friction = Friction { law: Arc::new(curve), coefficient: Coefficient::Constant(1.0) };
-            Ok(Dynamic::from(FrictionHandle { friction, written }))
+            Ok(FrictionHandle { friction, written })
         })
 }
 
@@ -189,10 +186,9 @@ fn rough() -> Function {
             "friction of a contact whose surfaces do not slide: a coefficient of 10, so that they slide only where the pressure is very \
              small",
         )
-        .returns(FrictionHandle::NAME)
         .see_also(&["coulomb", "friction_curve", "add_contact"])
         .example("print(rough());")
-        .body(|_| Ok(Dynamic::from(FrictionHandle { friction: plain(Coefficient::Constant(ROUGH)), written: "rough()".into() })))
+        .body(|_| Ok(FrictionHandle { friction: plain(Coefficient::Constant(ROUGH)), written: "rough()".into() }))
 }
 
 /// Description of the option `friction` of a contact.

@@ -28,10 +28,9 @@ pub fn functions() -> Vec<Function> {
 fn method_function(method: &'static ContactMethod) -> Function {
     function(Topic::Contact, method.name)
         .summary(method.summary)
-        .returns(ContactMethodHandle::NAME)
         .see_also(&["add_contact"])
         .example(format!("print({}());", method.name))
-        .body(move |_| Ok(Dynamic::from(ContactMethodHandle(method))))
+        .body(move |_| Ok(ContactMethodHandle(method)))
 }
 
 /// Names of the update rules.

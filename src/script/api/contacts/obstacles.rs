@@ -179,11 +179,9 @@ pub fn shape(
     function(Topic::Contact, name)
         .summary(summary)
         .parameters(vec![Parameter::options("shape, place and motion").keys(keys)])
-        .returns(ObstacleHandle::NAME)
         .see_also(if moves.is_in_space() || moves == Moves::Plane { IN_SPACE } else { IN_PLANE })
         .example(example)
-        .body(move |call| {
-            let options = call.options("options")?;
+        .body_with_options(move |_, options| {
             let obstacle = make(&options)?;
             let nested = options.nested("motion")?;
             let over_time = |name: &'static str| nested.argument(name).given(amplitude_of);
@@ -195,7 +193,7 @@ pub fn shape(
                 let failure = argument.refuse(causes::DIMENSION, "an obstacle of the plane does not move along z");
                 return Err(failure.hint("leave it out, or give a point and a normal of 3 numbers").into());
             }
-            Ok(Dynamic::from(ObstacleHandle { obstacle, motion, turn }))
+            Ok(ObstacleHandle { obstacle, motion, turn })
         })
 }
 

@@ -3,6 +3,8 @@
 //! Every call that adds a pair checks the model at once. Suspicious definitions (a surface that faces away, a tie without nodes) are
 //! reported by `model.check()` and are warnings of `simulate`.
 
+use rhai::EvalAltResult;
+
 use super::friction::{friction_of, friction_parameter};
 use super::methods::{
     chosen_method, facets_of, facets_parameter, method_parameter, rule_parameters, rules_of, shape_parameters, shapes_of,
@@ -83,8 +85,7 @@ fn add_contact() -> Function {
             let (friction, restitution) = (friction_of(&options)?, options.optional_number("restitution")?);
             let interaction =
                 Interaction { name, secondary, partner, method, facets, shapes, update, enforcement, equality, friction, restitution };
-            add(call, &model, interaction)?;
-            Ok(Dynamic::UNIT)
+            add(call, &model, interaction)
         })
 }
 
@@ -110,8 +111,7 @@ fn add_self_contact() -> Function {
             let (method, facets) = (chosen_method(&options)?, facets_of(&options)?);
             let ((update, enforcement), friction) = (rules_of(&options)?, friction_of(&options)?);
             let touching = Interaction::new(&name, surface, Partner::Itself);
-            add(call, &model, Interaction { method, facets, update, enforcement, friction, ..touching })?;
-            Ok(Dynamic::UNIT)
+            add(call, &model, Interaction { method, facets, update, enforcement, friction, ..touching })
         })
 }
 
@@ -135,8 +135,7 @@ fn tie() -> Function {
             let secondary = boundary_of(&options.argument("secondary"), &model)?;
             let to = boundary_of(&options.argument("primary"), &model)?;
             let reach = options.optional_number("reach")?;
-            add(call, &model, Interaction::new(&name, secondary, Partner::Tied { to, reach }))?;
-            Ok(Dynamic::UNIT)
+            add(call, &model, Interaction::new(&name, secondary, Partner::Tied { to, reach }))
         })
 }
 
@@ -151,7 +150,7 @@ fn name_parameter() -> Parameter {
 }
 
 /// Adds an interaction with its place in the script.
-fn add(call: &Call, model: &ModelHandle, interaction: Interaction) -> Result<(), Failure> {
+fn add(call: &Call, model: &ModelHandle, interaction: Interaction) -> Result<(), Box<EvalAltResult>> {
     let note = (interaction.name.clone(), call.place(&Default::default()));
     change(call, model, |data| {
         data.model.add_interaction(interaction);

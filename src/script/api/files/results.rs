@@ -74,7 +74,7 @@ pub fn result() -> Function {
                 call.host.warn(warning.hint("look for a division by zero, or for a column that has no value yet"));
             }
             call.host.slots.get::<Results>().note(&name, plain, unit_of(call)?);
-            Ok(Dynamic::UNIT)
+            Ok(())
         })
 }
 

@@ -132,8 +132,7 @@ fn plot() -> Function {
         ])
         .see_also(&["uniaxial", "equibiaxial", "pure_shear", "check"])
         .example(format!("{RUBBER}rubber.plot(\"rubber.svg\", #{{ stretches: [0.7, 2.0], y_label: \"nominal stress [MPa]\" }});"))
-        .body(|call, MaterialHandle(material)| {
-            let options = call.options("options")?;
+        .body_with_options(|call, MaterialHandle(material), options| {
             let given = options.argument("stretches");
             let [low, high] = match given.is_given() {
                 false => STRETCHES,

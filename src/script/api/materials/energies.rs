@@ -32,7 +32,6 @@ fn hyperelastic() -> Function {
              is one more option",
         )
         .parameters(vec![Parameter::new("options", Kind::OpenOptions(keys), "the energy, its constants and the density")])
-        .returns(MaterialHandle::NAME)
         .see_also(&["neo_hookean", "add_body"])
         .example(
             "let rubber = hyperelastic(#{ energy: \"mu/2*(I1 - 3 - 2*ln(J))\", volumetric: \"lambda/2*ln(J)^2\",\n    \
@@ -40,8 +39,7 @@ fn hyperelastic() -> Function {
                   let tissue = hyperelastic(#{ energy: \"mu/2*(I1bar - 3) + k*pos(I4 - 1)^2\", volumetric: \"5*mu*(J - 1)^2\",\n    \
                   fiber: [1, 1], mu: 10.0, k: 50.0, density: 1000.0 });",
         )
-        .body(|call| {
-            let options = call.options("options")?;
+        .body_with_options(|call, options| {
             let energy = text_of(&options.argument("energy"))?;
             let volumetric = options.argument("volumetric").given(text_of)?;
             let constants = constants_of(call, &options, &energy, volumetric.as_ref())?;
@@ -56,7 +54,7 @@ fn hyperelastic() -> Function {
                     failure.hint("add an energy of the volume, such as `volumetric: \"k/2*(J - 1)^2\"`")
                 }
             })?;
-            Ok(Dynamic::from(MaterialHandle(material)))
+            Ok(MaterialHandle(material))
         })
 }
 

@@ -31,11 +31,9 @@ fn constructor(row: &'static MaterialRow) -> Function {
     function(Topic::Materials, row.name)
         .summary(row.summary)
         .parameters(vec![Parameter::options("the constants of the law").keys(options_of(row))])
-        .returns(MaterialHandle::NAME)
         .see_also(&["add_body"])
         .example(format!("let material = {}(#{{ {} }});", row.name, values.join(", ")))
-        .body(move |call| {
-            let options = call.options("options")?;
+        .body_with_options(move |call, options| {
             let values = row.parameters.iter().map(|parameter| options.number(parameter.name)).collect::<Result<Vec<f64>, _>>()?;
             let row = if row.volumetric.is_some() { of_form(row, &options.text(VOLUMETRIC)?) } else { row };
             let material = Material::new(row, &values).map_err(|error| match error {
@@ -45,7 +43,7 @@ fn constructor(row: &'static MaterialRow) -> Function {
                     .cause(format!("its energy is `{}`", error.text)),
                 error => call.fail(error.to_string()).code(error.code()),
             })?;
-            Ok(Dynamic::from(MaterialHandle(material)))
+            Ok(MaterialHandle(material))
         })
 }
 

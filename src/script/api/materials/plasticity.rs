@@ -35,14 +35,12 @@ fn elastic_plastic() -> Function {
             Parameter::new("hardening", Kind::Either(FORMS), "the yield stress as a function of the plastic strain")
                 .otherwise("perfect plasticity"),
         ])
-        .returns(MaterialHandle::NAME)
         .see_also(&["back_stress", "rate_dependent", "hardening_curve"])
         .example(format!(
             "{STEEL}let aluminum = elastic_plastic(#{{ youngs_modulus: 70e3, poisson_ratio: 0.33, density: 2.7e-9,\n    \
              hardening: [[0.0, 120.0], [0.02, 160.0], [0.1, 200.0]] }});"
         ))
-        .body(|call| {
-            let options = call.options("options")?;
+        .body_with_options(|_, options| {
             let (given, hardening) = (options.argument("yield_stress"), options.argument("hardening"));
             let law = if hardening.is_given() { hardening_of(&hardening)? } else { Hardening::NONE };
             let first = if let Hardening::Table(points) = &law { points.first().map(|point| point[1]) } else { None };
@@ -87,7 +85,7 @@ fn warn_of_softening(argument: &Argument, law: &Hardening) {
 }
 
 /// Returns the material with some constants; a failure points at `argument`.
-fn made(constants: &ElasticPlastic, argument: &Argument) -> Result<Dynamic, Box<rhai::EvalAltResult>> {
+fn made(constants: &ElasticPlastic, argument: &Argument) -> Result<MaterialHandle, Box<rhai::EvalAltResult>> {
     let material = Material::elastic_plastic(constants).map_err(|error| {
         let failure = argument.fail(error.to_string()).code(error.code());
         match error {
@@ -97,7 +95,7 @@ fn made(constants: &ElasticPlastic, argument: &Argument) -> Result<Dynamic, Box<
             _ => failure,
         }
     })?;
-    Ok(Dynamic::from(MaterialHandle(material)))
+    Ok(MaterialHandle(material))
 }
 
 /// Hardening law of the option `hardening`.
@@ -171,7 +169,6 @@ fn back_stress() -> Function {
             Parameter::number("modulus", "stress", Interval::Positive, "its slope per plastic strain in uniaxial tension"),
             Parameter::number("recovery", "1", Interval::NonNegative, "dynamic recovery: it saturates at modulus over recovery").or(0.0),
         ])
-        .returns(MaterialHandle::NAME)
         .see_also(&["elastic_plastic"])
         .example(format!("{STEEL}let cyclic = steel.back_stress(#{{ modulus: 20e3, recovery: 150.0 }}).back_stress(#{{ modulus: 1e3 }});"))
         .body(|call, _| {
@@ -196,7 +193,6 @@ fn rate_dependent() -> Function {
             optional("factor", "1", "C of Johnson and Cook"),
             optional("reference_rate", "1/time", "the rate up to which nothing changes (Johnson and Cook)"),
         ])
-        .returns(MaterialHandle::NAME)
         .see_also(&["elastic_plastic", "viscous"])
         .example(format!("{STEEL}let fast = steel.rate_dependent(#{{ factor: 0.022, reference_rate: 1.0 }});"))
         .body(|call, _| {

@@ -28,14 +28,12 @@ fn viscous() -> Function {
             )
             .or(0.0),
         ])
-        .returns(MaterialHandle::NAME)
         .see_also(&["relaxing", "backward_euler"])
         .example(format!("{RUBBER}let damped = rubber.viscous(#{{ shear_viscosity: 0.01 }});"))
-        .body(|call, MaterialHandle(material)| {
-            let options = call.options("options")?;
+        .body_with_options(|_, MaterialHandle(material), options| {
             let (shear, bulk) = (options.number("shear_viscosity")?, options.number("bulk_viscosity")?);
             let viscosity = Viscosity { shear, bulk, ..material.viscosity().clone() };
-            Ok(Dynamic::from(MaterialHandle(material.with_viscosity(viscosity))))
+            Ok(MaterialHandle(material.with_viscosity(viscosity)))
         })
 }
 
@@ -50,17 +48,15 @@ fn relaxing() -> Function {
             Parameter::number("shear_modulus", "stress", Interval::Positive, "mu, the additional shear modulus for a sudden strain"),
             Parameter::number("relaxation_time", "time", Interval::Positive, "tau, in which its stress falls to 1/e"),
         ])
-        .returns(MaterialHandle::NAME)
         .see_also(&["viscous"])
         .example(format!(
             "{RUBBER}let tire = rubber.relaxing(#{{ shear_modulus: 0.5, relaxation_time: 0.1 }})\n    \
              .relaxing(#{{ shear_modulus: 0.2, relaxation_time: 10.0 }});"
         ))
-        .body(|call, MaterialHandle(material)| {
-            let options = call.options("options")?;
+        .body_with_options(|_, MaterialHandle(material), options| {
             let (shear_modulus, relaxation_time) = (options.number("shear_modulus")?, options.number("relaxation_time")?);
             let mut viscosity = material.viscosity().clone();
             viscosity.branches.push(Branch { shear_modulus, relaxation_time });
-            Ok(Dynamic::from(MaterialHandle(material.with_viscosity(viscosity))))
+            Ok(MaterialHandle(material.with_viscosity(viscosity)))
         })
 }

@@ -102,7 +102,6 @@ pub fn boundary_where() -> Function {
     method_of::<MeshHandle>(Topic::Meshes, "boundary_where")
         .summary("adds a boundary to the mesh: all facets of its hull at whose nodes a condition holds; gives the mesh itself")
         .parameters(condition_parameters())
-        .returns(MeshHandle::NAME)
         .see_also(&["boundary"])
         .example(
             "let plate = rectangle(#{ size: [2.0, 1.0], cells: [8, 4] });\nplate.boundary_where(\"foot\", |x, y| x < 0.51 && y < 0.01);",
@@ -111,6 +110,6 @@ pub fn boundary_where() -> Function {
             let mesh = with_boundary_where(call, &handle.mesh())?;
             call.host.count_effect();
             handle.replace(mesh);
-            Ok(Dynamic::from(handle))
+            Ok(handle)
         })
 }

@@ -29,7 +29,6 @@ pub fn read_deck() -> Function {
             Parameter::text("path", "the file, below the script's folder or a folder that `--allow-read` names"),
             Parameter::options("how it is read").otherwise("its defaults").keys(options),
         ])
-        .returns("Map")
         .see_also(&["read_mesh", "pieces", "add_body"])
         .example("expect_error(|| read_deck(\"missing.inp\"), \"there is no file\");")
         .body(|call| {
@@ -40,7 +39,7 @@ pub fn read_deck() -> Function {
             let deck = mesh::read_deck(&file, read_options(&options)?, Some(&find));
             let deck = deck.map_err(|error| read_failure(&argument, &path, &file, &error))?;
             notes_warned(call, &path, &deck.notes);
-            Ok(value_of(call, &options, deck)?.into())
+            Ok(value_of(call, &options, deck)?)
         })
 }
 

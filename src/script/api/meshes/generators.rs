@@ -28,8 +28,7 @@ fn rectangle() -> Function {
         ])
         .see_also(&["ring", "block", "read_mesh"])
         .example("let plate = rectangle(#{ size: [2.0, 1.0], cells: [8, 4] });")
-        .body(|call| {
-            let options = call.options("options")?;
+        .body_with_options(|call, options| {
             let kind = kind_of(&options)?;
             let (size, cells) = (options.argument("size").tuple()?, options.argument("cells").counts()?);
             let (origin, grading) = (point_or_origin(&options, "origin")?, ratios(&options)?);
@@ -48,8 +47,7 @@ fn block() -> Function {
         ])
         .see_also(&["rectangle", "rounded_block", "extrude"])
         .example("let brick = block(#{ size: [2.0, 1.0, 1.0], cells: [4, 2, 2] });")
-        .body(|call| {
-            let options = call.options("options")?;
+        .body_with_options(|call, options| {
             let kind = kind_of(&options)?;
             let (size, cells) = (options.argument("size").tuple()?, options.argument("cells").counts()?);
             let (origin, grading) = (point_or_origin(&options, "origin")?, ratios(&options)?);
@@ -71,8 +69,7 @@ fn ring() -> Function {
         ])
         .see_also(&["rectangle", "read_mesh"])
         .example("let tire = ring(#{ inner_radius: 1.0, outer_radius: 1.5, cells: [4, 48] });")
-        .body(|call| {
-            let options = call.options("options")?;
+        .body_with_options(|call, options| {
             let kind = kind_of(&options)?;
             let ([inner, outer], cells) = (radii(&options)?, options.argument("cells").counts()?);
             let (center, start) = (point_or_origin(&options, "center")?, options.number("start_angle")?);
@@ -97,8 +94,7 @@ fn arc() -> Function {
         ])
         .see_also(&["ring", "region", "deg"])
         .example("let shoe = arc(#{ inner_radius: 1.0, outer_radius: 1.3, start_angle: deg(30), end_angle: deg(150), cells: [4, 24] });")
-        .body(|call| {
-            let options = call.options("options")?;
+        .body_with_options(|call, options| {
             let kind = kind_of(&options)?;
             let (radii, cells) = (radii(&options)?, options.argument("cells").counts()?);
             let (angles, grading) = ([options.number("start_angle")?, options.number("end_angle")?], ratios(&options)?);
@@ -117,8 +113,7 @@ fn disk() -> Function {
         ])
         .see_also(&["half_disk", "ring"])
         .example("let wheel = disk(#{ radius: 1.0, cells: [4, 32] });")
-        .body(|call| {
-            let options = call.options("options")?;
+        .body_with_options(|call, options| {
             let kind = kind_of(&options)?;
             let (radius, cells) = (options.number("radius")?, options.argument("cells").counts()?);
             let center = point_or_origin(&options, "center")?;
@@ -143,8 +138,7 @@ fn polygon() -> Function {
         .example(
             "let wedge = polygon(#{ points: [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0]], size: 0.1, names: [\"floor\", \"wall\", \"slope\"] });",
         )
-        .body(|call| {
-            let options = call.options("options")?;
+        .body_with_options(|call, options| {
             let kind = kind_of(&options)?;
             let corners = options.argument("points").points()?;
             let argument = options.argument("names");
@@ -186,8 +180,7 @@ fn half_disk() -> Function {
         ])
         .see_also(&["disk", "map"])
         .example("let punch = half_disk(#{ radius: 1.0, cells: [8, 48], center: [0.0, 1.0], finest: 0.01 });")
-        .body(|call| {
-            let options = call.options("options")?;
+        .body_with_options(|call, options| {
             let kind = kind_of(&options)?;
             let (radius, cells) = (options.number("radius")?, options.argument("cells").counts()?);
             let (center, finest) = (point_or_origin(&options, "center")?, options.optional_number("finest")?);

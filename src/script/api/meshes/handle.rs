@@ -90,12 +90,12 @@ pub fn mesh_failure(call: &Call, error: &MeshError) -> Failure {
 }
 
 /// Converts a generated mesh to a value of a script.
-pub fn mesh_value(call: &Call, made: Result<Mesh, MeshError>) -> Result<Dynamic, Box<EvalAltResult>> {
-    made.map(|mesh| Dynamic::from(MeshHandle::new(mesh))).map_err(|error| mesh_failure(call, &error).into())
+pub fn mesh_value(call: &Call, made: Result<Mesh, MeshError>) -> Result<MeshHandle, Box<EvalAltResult>> {
+    made.map(MeshHandle::new).map_err(|error| mesh_failure(call, &error).into())
 }
 
 /// Makes a mesh on a thread that is watched for interrupts; after an interrupt, the work is abandoned.
-pub fn made(call: &Call, make: impl FnOnce() -> Result<Mesh, MeshError> + Send + 'static) -> Result<Dynamic, Box<EvalAltResult>> {
+pub fn made(call: &Call, make: impl FnOnce() -> Result<Mesh, MeshError> + Send + 'static) -> Result<MeshHandle, Box<EvalAltResult>> {
     mesh_value(call, call.host.watched(make)?)
 }
 
@@ -107,7 +107,7 @@ pub fn made_of(
     call: &Call,
     cells: &[usize],
     make: impl FnOnce() -> Result<Mesh, MeshError> + Send + 'static,
-) -> Result<Dynamic, Box<EvalAltResult>> {
+) -> Result<MeshHandle, Box<EvalAltResult>> {
     let count: f64 = cells.iter().map(|&count| count as f64).product();
     if count <= FEW_CELLS { mesh_value(call, make()) } else { made(call, make) }
 }

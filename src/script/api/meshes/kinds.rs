@@ -39,7 +39,6 @@ pub fn with_elements() -> Function {
              put them on curves). In a mesh of several kinds the other cells become those of the same order",
         )
         .parameters(vec![Parameter::new("element", Kind::Choice(ALL), "the kind of its cells")])
-        .returns(MeshHandle::NAME)
         .see_also(&["refine", "rectangle", "extrude"])
         .example("let plate = rectangle(#{ size: [2.0, 1.0], cells: [8, 4] }).with_elements(\"quad8\");")
         .body(|call, handle| {

@@ -26,7 +26,6 @@ pub fn refine_where() -> Function {
                 .within(Interval::Closed(0.0, 40.0))
                 .or(1),
         ])
-        .returns(MeshHandle::NAME)
         .see_also(&["refine", "region", "with_elements", "quality"])
         .example(
             "let plate = rectangle(#{ size: [2.0, 1.0], cells: [8, 4], element: \"tri3\" });\n\
@@ -38,7 +37,7 @@ pub fn refine_where() -> Function {
             for _ in 0..call.integer("times")? {
                 mesh = refined(call, &argument, &mesh)?;
             }
-            Ok(Dynamic::from(MeshHandle::new(mesh)))
+            Ok(MeshHandle::new(mesh))
         })
 }
 

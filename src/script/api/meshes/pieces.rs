@@ -30,13 +30,12 @@ fn angle(default: f64, summary: &'static str) -> Parameter {
 fn pieces() -> Function {
     method_of::<MeshHandle>(Topic::Meshes, "pieces")
         .summary("the connected pieces of a mesh, each a mesh of its own, in the order of their first cells")
-        .returns("Array")
         .see_also(&["part", "part_where", "join"])
         .example("let one = rectangle(#{ size: [2.0, 1.0], cells: [8, 4] }); expect(one.pieces().len == 1);")
         .body(|_, handle| {
             let mesh = handle.mesh();
             let pieces = mesh.connected_cells();
-            Ok(pieces.iter().map(|cells| Dynamic::from(MeshHandle::new(mesh.of_cells(cells)))).collect::<Array>().into())
+            Ok(pieces.iter().map(|cells| Dynamic::from(MeshHandle::new(mesh.of_cells(cells)))).collect::<Array>())
         })
 }
 
@@ -47,7 +46,6 @@ fn part_where() -> Function {
             Parameter::text("name", "the name of the new part"),
             Parameter::new("condition", Kind::Closure("|x, y|"), "evaluated at the centers of the cells (with z in space)"),
         ])
-        .returns(MeshHandle::NAME)
         .see_also(&["part", "pieces", "boundary_where"])
         .example(
             "let plate = rectangle(#{ size: [2.0, 1.0], cells: [8, 4] });\nplate.part_where(\"left half\", |x, y| x < 1.0);\n\
@@ -79,12 +77,12 @@ fn part_where() -> Function {
             mesh.parts.push((name, cells));
             call.host.count_effect();
             handle.replace(mesh);
-            Ok(Dynamic::from(handle))
+            Ok(handle)
         })
 }
 
 /// Adds a boundary of the facets found to the mesh of a call; warns if no facet is found.
-fn added(call: &Call, find: impl FnOnce(&Mesh) -> Vec<Facet>, hint: &str) -> Result<Dynamic, Box<EvalAltResult>> {
+fn added(call: &Call, find: impl FnOnce(&Mesh) -> Vec<Facet>, hint: &str) -> Result<MeshHandle, Box<EvalAltResult>> {
     let handle = call.receiver::<MeshHandle>();
     let (name, mesh) = (call.name("name")?, handle.mesh());
     let facets = find(&mesh);
@@ -95,7 +93,7 @@ fn added(call: &Call, find: impl FnOnce(&Mesh) -> Vec<Facet>, hint: &str) -> Res
     let mesh = (*mesh).clone().with_boundary(&name, facets).map_err(|error| mesh_failure(call, &error))?;
     call.host.count_effect();
     handle.replace(mesh);
-    Ok(Dynamic::from(handle))
+    Ok(handle)
 }
 
 fn boundary_by_normal() -> Function {
@@ -106,7 +104,6 @@ fn boundary_by_normal() -> Function {
             Parameter::vector("normal", "the direction, out of the body").of("1"),
             angle(SAME_DIRECTION, "the angle from the direction up to which facets belong to it"),
         ])
-        .returns(MeshHandle::NAME)
         .see_also(&["boundary_from", "boundary_near", "boundary_where"])
         .example("let ball = sphere(#{ radius: 0.5, cells: [2, 16] });\nball.boundary_by_normal(\"cap\", [0.0, 0.0, 1.0], deg(60));")
         .body(|call, mesh| {
@@ -133,7 +130,6 @@ fn boundary_from() -> Function {
             Parameter::vector("point", "a place on the side or near it").of("length"),
             angle(SAME_SIDE, "the largest angle between neighboring facets of the side"),
         ])
-        .returns(MeshHandle::NAME)
         .see_also(&["boundary_by_normal", "boundary_near", "boundary_where"])
         .example(
             "let rod = cylinder(#{ radius: 0.5, height: 2.0, cells: [2, 32, 4], element: \"tet4\" });\n\
@@ -165,7 +161,6 @@ fn boundary_near() -> Function {
              (`center`, `radius`) or a cylinder (with `axis`); gives the mesh itself",
         )
         .parameters(vec![name(), Parameter::map("shape", "the plane, sphere or cylinder").keys(shape)])
-        .returns(MeshHandle::NAME)
         .see_also(&["boundary_by_normal", "boundary_from", "boundary_where"])
         .example(
             "let pipe = tube(#{ inner_radius: 0.5, outer_radius: 1.0, height: 1.0, cells: [2, 16, 2] });\n\

@@ -33,7 +33,6 @@ fn reader() -> Function {
             Parameter::text("path", "the file, below the script's folder or a folder that `--allow-read` names"),
             Parameter::options("how it is read").otherwise("its defaults").keys(parameters),
         ])
-        .returns(MeshHandle::NAME)
         .see_also(&["read_deck", "write", "part", "rectangle", "ring"])
         .example("expect_error(|| read_mesh(\"missing.msh\"), \"there is no file\");")
         .body(|call| {
@@ -45,7 +44,7 @@ fn reader() -> Function {
             let read = mesh::read_mesh_with(&file, ReadOptions { part, ..read_options(&options)? }, Some(&find));
             let (mesh, notes) = read.map_err(|error| read_failure(&argument, &path, &file, &error))?;
             notes_warned(call, &path, &notes);
-            Ok(Dynamic::from(MeshHandle::new(mesh)))
+            Ok(MeshHandle::new(mesh))
         })
 }
 

@@ -92,7 +92,6 @@ fn region() -> Function {
             layers::parameter(),
             element(PLANE),
         ])
-        .returns(MeshHandle::NAME)
         .see_also(&["polygon", "line_to", "arc_to", "spline_to", "circle", "refine_where", "read_mesh"])
         .example(
             "let cam = region(#{\n    outline: [\n        [0.0, -1.0],\n        arc_to(#{ to: [0.0, 1.0], center: [0.0, 0.0], name: \
@@ -103,8 +102,7 @@ fn region() -> Function {
                   holes: [circle(#{ center: [0.0, 0.0], radius: 0.3, name: \"bore\" })],\n    size: 0.15,\n    \
                   layers: #{ boundary: \"bore\", first: 0.005, count: 6, growth: 1.3, along: 0.05 },\n});",
         )
-        .body(|call| {
-            let options = call.options("options")?;
+        .body_with_options(|call, options| {
             let (kind, layers) = (kind_of(&options)?, layers::layers_of(&options)?);
             let argument = options.argument("outline");
             if !argument.is_given() {
@@ -127,7 +125,7 @@ fn region() -> Function {
                 // A closure belongs to this thread, and is called often enough to check the interrupt.
                 None => with_size(&options, |size| mesh::layered_region(&outline, &holes, size, kind, layers.as_ref()))?,
             };
-            Ok(Dynamic::from(MeshHandle::new(made)))
+            Ok(MeshHandle::new(made))
         })
 }
 
@@ -236,12 +234,11 @@ fn line_to() -> Function {
     function(Topic::Meshes, "line_to")
         .summary("a straight side of a `region`, from where the curve before it ends")
         .parameters(vec![Parameter::vector("to", "where it ends").of("length"), name_parameter()])
-        .returns(CurveHandle::NAME)
         .see_also(&["region", "arc_to", "spline_to"])
         .example("let floor = line_to([2.0, 0.0], \"floor\");")
         .body(|call| {
             let kind = CurveKind::Line { to: plane_point(&call.argument("to"))? };
-            Ok(Dynamic::from(CurveHandle { kind, name: name_of(call)? }))
+            Ok(CurveHandle { kind, name: name_of(call)? })
         })
 }
 
@@ -258,14 +255,12 @@ fn arc_to() -> Function {
             Parameter::flag("clockwise", "which way it goes about the center").or(false),
             name_parameter(),
         ])
-        .returns(CurveHandle::NAME)
         .see_also(&["region", "circle", "line_to", "spline_to"])
         .example(
             "let nose = arc_to(#{ to: [2.0, 2.0], center: [2.0, 1.0], name: \"nose\" });\n\
                   let arch = arc_to(#{ to: [0.0, 0.0], through: [1.0, 0.5] });",
         )
-        .body(|call| {
-            let options = call.options("options")?;
+        .body_with_options(|call, options| {
             let (to, name) = (plane_point(&options.argument("to"))?, name_of(&options)?);
             let (center, through) = (options.argument("center"), options.argument("through"));
             let kind = match (center.is_given(), through.is_given()) {
@@ -282,7 +277,7 @@ fn arc_to() -> Function {
                         .into());
                 }
             };
-            Ok(Dynamic::from(CurveHandle { kind, name }))
+            Ok(CurveHandle { kind, name })
         })
 }
 
@@ -293,12 +288,11 @@ fn spline_to() -> Function {
              comes back to its start has no corner there",
         )
         .parameters(vec![Parameter::array("points", "the points `[x, y]` in their order").of("length"), name_parameter()])
-        .returns(CurveHandle::NAME)
         .see_also(&["region", "arc_to", "line_to"])
         .example("let back = spline_to([[1.5, 2.2], [0.8, 1.9], [0.0, 2.0]], \"back\");")
         .body(|call| {
             let kind = CurveKind::Spline { points: call.argument("points").points()? };
-            Ok(Dynamic::from(CurveHandle { kind, name: name_of(call)? }))
+            Ok(CurveHandle { kind, name: name_of(call)? })
         })
 }
 
@@ -311,15 +305,13 @@ fn circle() -> Function {
             Parameter::number("radius", "length", Interval::Positive, "the radius"),
             name_parameter(),
         ])
-        .returns(CurveHandle::NAME)
         .see_also(&["region", "arc_to", "disk"])
         .example(
             "let bore = circle(#{ center: [0.2, 0.0], radius: 0.4, name: \"bore\" });\n\
                   let washer = region(#{ outline: circle(#{ center: [0.0, 0.0], radius: 1.0 }), holes: [bore], size: 0.1 });",
         )
-        .body(|call| {
-            let options = call.options("options")?;
+        .body_with_options(|_, options| {
             let kind = CurveKind::Circle { center: plane_point(&options.argument("center"))?, radius: options.number("radius")? };
-            Ok(Dynamic::from(CurveHandle { kind, name: name_of(&options)? }))
+            Ok(CurveHandle { kind, name: name_of(&options)? })
         })
 }

@@ -40,8 +40,7 @@ fn tube() -> Function {
         ])
         .see_also(&["ring", "cylinder", "extrude", "rotate"])
         .example("let pipe = tube(#{ inner_radius: 1.0, outer_radius: 1.2, height: 4.0, cells: [2, 32, 16] });")
-        .body(|call| {
-            let options = call.options("options")?;
+        .body_with_options(|call, options| {
             let (kind, radii, height) = (kind_of(&options)?, radii(&options)?, options.number("height")?);
             let (cells, base) = (options.argument("cells").counts()?, point_or_origin(&options, "base")?);
             let grading = ratios(&options)?;
@@ -64,8 +63,7 @@ fn cylinder() -> Function {
         ])
         .see_also(&["disk", "tube", "sphere", "rotate"])
         .example("let pin = cylinder(#{ radius: 0.5, height: 3.0, cells: [3, 24, 12] }).rotate(deg(90), [0.0, 0.0, 0.0], [0.0, 1.0, 0.0]);")
-        .body(|call| {
-            let options = call.options("options")?;
+        .body_with_options(|call, options| {
             let (kind, radius, height) = (kind_of(&options)?, options.number("radius")?, options.number("height")?);
             let (cells, base) = (options.argument("cells").counts()?, point_or_origin(&options, "base")?);
             let grading = options.number("grading")?;
@@ -87,8 +85,7 @@ fn sphere() -> Function {
         ])
         .see_also(&["hollow_sphere", "rounded_block", "cylinder"])
         .example("let ball = sphere(#{ radius: 0.5, cells: [3, 24], center: [0.0, 0.0, 0.5] });")
-        .body(|call| {
-            let options = call.options("options")?;
+        .body_with_options(|call, options| {
             let (kind, radius, cells) = (kind_of(&options)?, options.number("radius")?, options.argument("cells").counts()?);
             let (center, grading) = (point_or_origin(&options, "center")?, options.number("grading")?);
             made_of(call, &cells, move || {
@@ -109,8 +106,7 @@ fn hollow_sphere() -> Function {
         ])
         .see_also(&["sphere", "tube"])
         .example("let balloon = hollow_sphere(#{ inner_radius: 0.9, outer_radius: 1.0, cells: [2, 32] });")
-        .body(|call| {
-            let options = call.options("options")?;
+        .body_with_options(|call, options| {
             let (kind, radii, cells) = (kind_of(&options)?, radii(&options)?, options.argument("cells").counts()?);
             let (center, grading) = (point_or_origin(&options, "center")?, options.number("grading")?);
             made_of(call, &cells, move || {
@@ -130,8 +126,7 @@ fn torus() -> Function {
         ])
         .see_also(&["disk", "revolve", "tube", "rotate"])
         .example("let seal = torus(#{ ring_radius: 2.0, section_radius: 0.3, cells: [2, 16, 48] });")
-        .body(|call| {
-            let options = call.options("options")?;
+        .body_with_options(|call, options| {
             let (kind, ring, section) = (kind_of(&options)?, options.number("ring_radius")?, options.number("section_radius")?);
             let (cells, center) = (options.argument("cells").counts()?, point_or_origin(&options, "center")?);
             made_of(call, &cells, move || {
@@ -157,8 +152,7 @@ fn rounded_block() -> Function {
     ])
     .see_also(&["block", "sphere"])
     .example("let die = rounded_block(#{ size: [1.0, 1.0, 1.0], radius: 0.2, cells: [4, 4, 4], layers: 2, edge_cells: 4 });")
-    .body(|call| {
-        let options = call.options("options")?;
+    .body_with_options(|call, options| {
         let (kind, size, radius) = (kind_of(&options)?, options.argument("size").tuple::<3>()?, options.number("radius")?);
         let (cells, origin) = (options.argument("cells").counts()?, point_or_origin(&options, "origin")?);
         let around = [options.integer("layers")? as usize, options.integer("edge_cells")? as usize];

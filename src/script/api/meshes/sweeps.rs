@@ -63,7 +63,6 @@ fn extrude() -> Function {
                 .otherwise("1"),
             wedges(),
         ])
-        .returns(MeshHandle::NAME)
         .see_also(&["revolve", "loft", "block", "tube", "refine"])
         .example(
             "let bar = rectangle(#{ size: [1.0, 1.0], cells: [4, 4], origin: [-0.5, -0.5] });\n\
@@ -129,7 +128,6 @@ fn revolve() -> Function {
             growth("the ratio of the last to the first cell, around"),
             wedges(),
         ])
-        .returns(MeshHandle::NAME)
         .see_also(&["extrude", "torus", "tube"])
         .example(
             "let profile = rectangle(#{ size: [0.4, 1.0], cells: [2, 5], origin: [2.0, 0.0] });\n\
@@ -171,7 +169,6 @@ fn loft() -> Function {
             growth("the ratio of the last to the first cell, along the height"),
             wedges(),
         ])
-        .returns(MeshHandle::NAME)
         .see_also(&["extrude", "map", "revolve"])
         .example(
             "let foot = rectangle(#{ size: [2.0, 2.0], cells: [4, 4], origin: [-1.0, -1.0] });\n\

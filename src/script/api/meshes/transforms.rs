@@ -23,7 +23,6 @@ fn translate() -> Function {
     method_of::<MeshHandle>(Topic::Meshes, "translate")
         .summary("the mesh moved")
         .parameters(vec![Parameter::vector("offset", "how far it is moved").of("length")])
-        .returns(MeshHandle::NAME)
         .see_also(&["rotate", "scale"])
         .example("let plate = rectangle(#{ size: [2.0, 1.0], cells: [8, 4] }).translate([1.0, 0.0]);")
         .body(|call, handle| {
@@ -41,7 +40,6 @@ fn rotate() -> Function {
             Parameter::vector("center", "the point that stays").of("length").otherwise("the origin"),
             Parameter::vector("axis", "the direction of the axis, in space").of("1").otherwise("[0, 0, 1]"),
         ])
-        .returns(MeshHandle::NAME)
         .see_also(&["translate", "scale", "deg"])
         .example("let plate = rectangle(#{ size: [2.0, 1.0], cells: [8, 4] }).rotate(deg(30), [1.0, 0.5]);")
         .body(|call, handle| {
@@ -62,7 +60,6 @@ fn scale() -> Function {
     method_of::<MeshHandle>(Topic::Meshes, "scale")
         .summary("the mesh scaled about the origin")
         .parameters(vec![Parameter::any("factor", "a number, or one number for each direction").within(Interval::Positive)])
-        .returns(MeshHandle::NAME)
         .see_also(&["translate", "rotate"])
         .example("let plate = rectangle(#{ size: [2.0, 1.0], cells: [8, 4] }).scale([1.0, 0.5]);")
         .body(|call, handle| {
@@ -86,7 +83,6 @@ fn map_function() -> Function {
     method_of::<MeshHandle>(Topic::Meshes, "map")
         .summary("the mesh with every node moved to where a closure puts it: graded, bent, curved")
         .parameters(vec![Parameter::new("place", Kind::Closure("|x, y|"), "gives the new place `[x, y]` of a node (with z in space)")])
-        .returns(MeshHandle::NAME)
         .see_also(&["translate", "rotate", "scale"])
         .example("let hill = rectangle(#{ size: [2.0, 1.0], cells: [16, 8] }).map(|x, y| [x, y + 0.1 * y * sin(x)]);")
         .body(|call, handle| {
@@ -112,7 +108,6 @@ fn join() -> Function {
              are joined, and the common side is no boundary any more",
         )
         .parameters(vec![Parameter::object::<MeshHandle>("other", "the other mesh, its nodes on the common side at the same places")])
-        .returns(MeshHandle::NAME)
         .see_also(&["part", "polygon", "tie"])
         .example(
             "let base = rectangle(#{ size: [4.0, 1.0], cells: [8, 2] });\n\
@@ -150,7 +145,6 @@ fn refine() -> Function {
     method_of::<MeshHandle>(Topic::Meshes, "refine")
         .summary("the mesh with every cell split in two along each direction; curved sides stay as straight as they are")
         .parameters(vec![Parameter::integer("times", "how often it is split").within(Interval::Closed(0.0, 12.0)).or(1)])
-        .returns(MeshHandle::NAME)
         .see_also(&["refine_where", "quality"])
         .example("let plate = rectangle(#{ size: [2.0, 1.0], cells: [8, 4] }).refine();")
         .body(|call, handle| {
@@ -163,7 +157,6 @@ fn part() -> Function {
     method_of::<MeshHandle>(Topic::Meshes, "part")
         .summary("a part of a mesh (a physical group of its file) as a mesh of its own")
         .parameters(vec![Parameter::text("name", "the name of the part")])
-        .returns(MeshHandle::NAME)
         .see_also(&["read_mesh"])
         .example("let mesh = rectangle(#{ size: [2.0, 1.0], cells: [8, 4] }); expect_error(|| mesh.part(\"left half\"), \"no part\");")
         .body(|call, handle| {
@@ -171,7 +164,7 @@ fn part() -> Function {
             let argument = call.argument("name");
             let name = argument.text()?;
             match mesh.part(&name) {
-                Ok(part) => Ok(Dynamic::from(MeshHandle::new(part))),
+                Ok(part) => Ok(MeshHandle::new(part)),
                 Err(error) => Err(argument.fail(error.to_string()).code(error.code()).hint(error.remedy()).into()),
             }
         })

@@ -66,13 +66,12 @@ fn boundary_of_body() -> Function {
             Kind::Either("a String or an array of them"),
             "the name of the boundary, or several names",
         )])
-        .returns(BoundaryHandle::NAME)
         .see_also(&["boundary_where", "node", "fix"])
         .example(plate_example("print(plate.boundary(\"left\"));\nprint(plate.boundary([\"left\", \"top\"]));"))
         .body(|call, body| {
             let mesh = body.definition().mesh;
             let boundary = named_boundary(call, &mesh)?;
-            Ok(Dynamic::from(BoundaryHandle { body: Some(body), mesh, boundary }))
+            Ok(BoundaryHandle { body: Some(body), mesh, boundary })
         })
 }
 
@@ -80,13 +79,12 @@ fn node() -> Function {
     method_of::<BodyHandle>(Topic::Model, "node")
         .summary("the node of the body nearest to a point, as a boundary that can be held, moved or loaded with a force")
         .parameters(vec![Parameter::vector("point", "the point in the undeformed body").of("length")])
-        .returns(BoundaryHandle::NAME)
         .see_also(&["boundary", "fix", "force"])
         .example(plate_example("press.fix(plate.node([0.0, 0.0]));\npress.force(plate.node([2.0, 1.0]), [0.0, -5.0]);"))
         .body(|call, body| {
             let boundary = Boundary::of_node(node_at(&call.argument("point"), &body)?);
             let mesh = body.definition().mesh;
-            Ok(Dynamic::from(BoundaryHandle { body: Some(body), mesh, boundary }))
+            Ok(BoundaryHandle { body: Some(body), mesh, boundary })
         })
 }
 
@@ -94,13 +92,12 @@ fn boundary_of_mesh() -> Function {
     method_of::<MeshHandle>(Topic::Meshes, "boundary")
         .summary("a boundary of the mesh, for inspection; supports, loads and contact take boundaries of bodies")
         .parameters(vec![name_parameter()])
-        .returns(BoundaryHandle::NAME)
         .see_also(&["boundary_where"])
         .example("print(rectangle(#{ size: [2.0, 1.0], cells: [4, 2] }).boundary(\"left\"));")
         .body(|call, handle| {
             let mesh = handle.mesh();
             let boundary = named_boundary(call, &mesh)?;
-            Ok(Dynamic::from(BoundaryHandle { body: None, mesh, boundary }))
+            Ok(BoundaryHandle { body: None, mesh, boundary })
         })
 }
 
@@ -108,14 +105,13 @@ fn boundary_where() -> Function {
     method_of::<BodyHandle>(Topic::Model, "boundary_where")
         .summary("a new boundary of the body: all facets of its hull at whose nodes a condition holds")
         .parameters(condition_parameters())
-        .returns(BoundaryHandle::NAME)
         .see_also(&["boundary"])
         .example(plate_example("press.fix(plate.boundary_where(\"foot\", |x, y| x < 0.51 && y < 0.01));"))
         .body(|call, body| {
             let mesh = Arc::new(with_boundary_where(call, &body.definition().mesh)?);
             body.model.0.borrow_mut().model.bodies[body.index].mesh = mesh.clone();
             let boundary = named_boundary(call, &mesh)?;
-            Ok(Dynamic::from(BoundaryHandle { body: Some(body), mesh, boundary }))
+            Ok(BoundaryHandle { body: Some(body), mesh, boundary })
         })
 }
 

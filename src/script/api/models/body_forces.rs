@@ -39,7 +39,6 @@ pub fn body_force() -> Function {
             let definition = body.definition();
             let field = body_field(call, function, definition.mesh.dimension());
             let part = BodyForceDefinition { name, body: body.index, definition, field };
-            change(call, &model, |data| data.model.parts.push(Arc::new(part)))?;
-            Ok(Dynamic::UNIT)
+            change(call, &model, |data| data.model.parts.push(Arc::new(part)))
         })
 }

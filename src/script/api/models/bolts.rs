@@ -50,7 +50,6 @@ pub fn add_bolt() -> Function {
             let ends = ends_of(&options, &model)?;
             let [preload, stiffness, locked_at] = ["preload", "stiffness", "locked_at"].map(|name| options.number(name));
             let element = BoltElement { preload: preload?, stiffness: stiffness?, locked_at: locked_at? };
-            change(call, &model, |data| data.model.parts.push(Arc::new(BoltDefinition { name, ends, element })))?;
-            Ok(Dynamic::UNIT)
+            change(call, &model, |data| data.model.parts.push(Arc::new(BoltDefinition { name, ends, element })))
         })
 }

@@ -27,12 +27,11 @@ pub fn model() -> Function {
     function(Topic::Model, "model")
         .summary("an empty model")
         .parameters(vec![Parameter::text("name", "its name, for messages and files")])
-        .returns(ModelHandle::NAME)
         .see_also(&["add_body", "simulate"])
         .example("let bearing = model(\"bearing\");")
         .body(|call| {
             let data = ModelData { model: Model { name: call.name("name")?, ..Model::default() }, ..ModelData::default() };
-            Ok(Dynamic::from(ModelHandle(Rc::new(RefCell::new(data)))))
+            Ok(ModelHandle(Rc::new(RefCell::new(data))))
         })
 }
 
@@ -46,7 +45,6 @@ pub fn add_body() -> Function {
             Parameter::object::<MaterialHandle>("material", "its material"),
             Parameter::map("formulation", "its formulation").otherwise("as written there").keys(formulation_keys()),
         ])
-        .returns(BodyHandle::NAME)
         .see_also(&["model", "fix", "add_contact"])
         .example(plate_example(
             "let seal = rectangle(#{ size: [1.0, 1.0], cells: [4, 4], origin: [3.0, 0.0] });\n\
@@ -73,7 +71,7 @@ pub fn add_body() -> Function {
             let definition = BodyDefinition { name, mesh, material, formulation, rigid };
             change(call, &model, |data| data.model.bodies.push(definition))?;
             let index = model.0.borrow().model.bodies.len() - 1;
-            Ok(Dynamic::from(BodyHandle { model, index }))
+            Ok(BodyHandle { model, index })
         })
 }
 
@@ -168,8 +166,7 @@ pub fn gravity() -> Function {
             change_without_bodies(call, &model, |data| {
                 data.model.gravity = gravity;
                 data.model.gravity_amplitude = amplitude;
-            })?;
-            Ok(Dynamic::UNIT)
+            })
         })
 }
 
@@ -192,8 +189,7 @@ pub fn initial_velocity() -> Function {
             let dimension = model.0.borrow().model.dimension();
             let linear = options.argument("linear").given(|given| given.vector(dimension))?.unwrap_or([0.0; 3]);
             let angular = angular(&options, dimension)?;
-            change(call, &model, |data| data.model.initial_velocities.push(InitialVelocity { body: body.index, linear, angular }))?;
-            Ok(Dynamic::UNIT)
+            change(call, &model, |data| data.model.initial_velocities.push(InitialVelocity { body: body.index, linear, angular }))
         })
 }
 
@@ -214,8 +210,7 @@ pub fn initial_displacement() -> Function {
             let displacement = mesh.points.iter().map(|point| vector_from(call, &closure, "displacement", &point[..mesh.dimension()]));
             let displacement = displacement.collect::<Result<_, _>>()?;
             let initial = InitialDisplacement { body: body.index, displacement };
-            change(call, &model, |data| data.model.initial_displacements.push(initial))?;
-            Ok(Dynamic::UNIT)
+            change(call, &model, |data| data.model.initial_displacements.push(initial))
         })
 }
 
@@ -223,7 +218,6 @@ pub fn initial_displacement() -> Function {
 pub fn check() -> Function {
     method_of::<ModelHandle>(Topic::Model, "check")
         .summary("checks the model without computing a step; gives an array of sentences about suspicious contacts and bodies that lock")
-        .returns("Array")
         .see_also(&["simulate", "add_contact"])
         .example(plate_example("for finding in press.check() { print(finding); }"))
         .body(|call, model| {
@@ -231,7 +225,7 @@ pub fn check() -> Function {
             model.check().map_err(|error| call.fail(error.to_string()).code(error.code()).hint(error.remedy()))?;
             let sentence = |(contact, finding): (String, Finding)| format!("contact \"{contact}\": {finding}; {}", finding.hint());
             let locking = model.locking().into_iter().map(|body| format!("{body}; {}", body.remedy()));
-            Ok(model.findings().into_iter().map(sentence).chain(locking).map(Dynamic::from).collect::<Array>().into())
+            Ok(model.findings().into_iter().map(sentence).chain(locking).map(Dynamic::from).collect::<Array>())
         })
 }
 

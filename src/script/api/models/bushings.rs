@@ -55,8 +55,7 @@ pub fn add_bushing() -> Function {
             let damping = options.argument("damping");
             let damping = if damping.is_given() { matrix_of(&damping, count)? } else { vec![0.0; count * count] };
             let bushing = BushingDefinition { name, bodies, point, axes, stiffness, damping };
-            change(call, &model, |data| data.model.parts.push(Arc::new(bushing)))?;
-            Ok(Dynamic::UNIT)
+            change(call, &model, |data| data.model.parts.push(Arc::new(bushing)))
         })
 }
 

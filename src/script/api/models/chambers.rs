@@ -63,8 +63,7 @@ pub fn add_chamber() -> Function {
             let facets = facets_of(&argument, &model, &surfaces)?;
             change(call, &model, |data| {
                 data.model.parts.push(Arc::new(ChamberDefinition { name, facets, dimension, is_round, gas, rim_point }));
-            })?;
-            Ok(Dynamic::UNIT)
+            })
         })
 }
 

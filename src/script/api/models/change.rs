@@ -5,6 +5,8 @@
 use std::cell::RefCell;
 use std::rc::Rc;
 
+use rhai::EvalAltResult;
+
 use super::data::ModelData;
 use super::handle::ModelHandle;
 use crate::script::api::nested_runs::is_study;
@@ -16,7 +18,7 @@ use crate::script::language::prelude::*;
 ///
 /// # Errors
 /// The changed model is invalid.
-pub fn change(call: &Call, handle: &ModelHandle, apply: impl FnOnce(&mut ModelData)) -> Result<(), Failure> {
+pub fn change(call: &Call, handle: &ModelHandle, apply: impl FnOnce(&mut ModelData)) -> Result<(), Box<EvalAltResult>> {
     let before = handle.0.borrow().clone();
     apply(&mut handle.0.borrow_mut());
     let checked = handle.0.borrow().model.check();
@@ -31,13 +33,13 @@ pub fn change(call: &Call, handle: &ModelHandle, apply: impl FnOnce(&mut ModelDa
         }
         Err(error) => {
             *handle.0.borrow_mut() = before;
-            Err(call.fail(error.to_string()).code(error.code()).hint(error.remedy()))
+            Err(call.fail(error.to_string()).code(error.code()).hint(error.remedy()).into())
         }
     }
 }
 
 /// Changes a model that may have no bodies yet.
-pub fn change_without_bodies(call: &Call, handle: &ModelHandle, apply: impl FnOnce(&mut ModelData)) -> Result<(), Failure> {
+pub fn change_without_bodies(call: &Call, handle: &ModelHandle, apply: impl FnOnce(&mut ModelData)) -> Result<(), Box<EvalAltResult>> {
     if handle.0.borrow().model.bodies.is_empty() {
         apply(&mut handle.0.borrow_mut());
         call.host.count_effect();

@@ -40,8 +40,7 @@ pub fn add_symmetry() -> Function {
                     return Err(failure.hint("take a boundary in one plane, or give the direction in which its nodes are held").into());
                 }
             };
-            change(call, &model, |data| data.model.couplings.push(Coupling { name, kind: CouplingKind::Plane { on, normal } }))?;
-            Ok(Dynamic::UNIT)
+            change(call, &model, |data| data.model.couplings.push(Coupling { name, kind: CouplingKind::Plane { on, normal } }))
         })
 }
 
@@ -82,8 +81,7 @@ pub fn add_coupling() -> Function {
             }
             let on = boundary_of(&boundary, &model)?;
             let (to, is_rigid) = (body_of(&to, &model)?.index, options.text("kind")? == "rigid");
-            change(call, &model, |data| data.model.couplings.push(Coupling { name, kind: CouplingKind::Reference { on, to, is_rigid } }))?;
-            Ok(Dynamic::UNIT)
+            change(call, &model, |data| data.model.couplings.push(Coupling { name, kind: CouplingKind::Reference { on, to, is_rigid } }))
         })
 }
 
@@ -132,8 +130,7 @@ pub fn add_periodic() -> Function {
             let follows = options.argument("follows");
             let follows = if follows.is_given() { Some(body_of(&follows, &model)?.index) } else { None };
             let kind = CouplingKind::Periodic { from: from?, to: to?, turn, offset, follows };
-            change(call, &model, |data| data.model.couplings.push(Coupling { name, kind }))?;
-            Ok(Dynamic::UNIT)
+            change(call, &model, |data| data.model.couplings.push(Coupling { name, kind }))
         })
 }
 

@@ -77,8 +77,7 @@ pub fn add_damper() -> Function {
         .body(|call, model| {
             let (name, options) = (call.name("name")?, call.options("options")?);
             let (ends, law) = (ends_of(&options, &model)?, law_of(&options)?);
-            change(call, &model, |data| data.model.parts.push(Arc::new(DamperDefinition { name, ends, element: DamperElement(law) })))?;
-            Ok(Dynamic::UNIT)
+            change(call, &model, |data| data.model.parts.push(Arc::new(DamperDefinition { name, ends, element: DamperElement(law) })))
         })
 }
 
@@ -113,8 +112,7 @@ pub fn add_drag() -> Function {
                     .into());
             }
             let on = DragTarget::Nodes(on.body, shares, law);
-            change(call, &model, |data| data.model.parts.push(Arc::new(DragDefinition { name, on })))?;
-            Ok(Dynamic::UNIT)
+            change(call, &model, |data| data.model.parts.push(Arc::new(DragDefinition { name, on })))
         })
 }
 
@@ -152,7 +150,6 @@ pub fn add_damping() -> Function {
                 if rate > 0.0 {
                     data.model.parts.push(Arc::new(DragDefinition { name, on }));
                 }
-            })?;
-            Ok(Dynamic::UNIT)
+            })
         })
 }

@@ -28,8 +28,7 @@ pub fn rotating_frame() -> Function {
         .parameters(vec![Parameter::options("how it turns").keys(keys)])
         .see_also(&["gravity", "body_force"])
         .example(plate_example("press.rotating_frame(#{ velocity: 0.5, center: [1.0, 0.0] });\nprint(press);"))
-        .body(|call, model| {
-            let options = call.options("options")?;
+        .body_with_options(|call, model, options| {
             let definition = frame_of(&options, &model)?;
             if model.0.borrow().model.parts.iter().any(|part| part.is_gyroscopic()) {
                 return Err(call
@@ -37,8 +36,7 @@ pub fn rotating_frame() -> Function {
                     .hint("give one velocity, about one axis")
                     .into());
             }
-            change(call, &model, |data| data.model.parts.push(Arc::new(definition)))?;
-            Ok(Dynamic::UNIT)
+            change(call, &model, |data| data.model.parts.push(Arc::new(definition)))
         })
 }
 

@@ -46,8 +46,7 @@ pub fn add_gear() -> Function {
             let kind = JointKind::Gear(Gear { joints, ratio });
             let ends = model.0.borrow().model.joints[joints[0]].ends;
             let gear = JointDefinition { name, kind, ends, drive: None, limits: None, friction: None };
-            change(call, &model, |data| data.model.joints.push(gear))?;
-            Ok(Dynamic::UNIT)
+            change(call, &model, |data| data.model.joints.push(gear))
         })
 }
 

@@ -46,16 +46,15 @@ pub fn grow() -> Function {
                 return grow_by(call, &body, &Callback::new(call, function.clone()));
             }
             match as_number(&value) {
-                Some(factor) if factor.is_finite() && factor > 0.0 => grow_evenly(call, &body, factor)?,
-                Some(factor) => return Err(argument.out_of_range(Interval::Positive, &number_text(factor)).into()),
-                None => return Err(argument.wrong_type().into()),
+                Some(factor) if factor.is_finite() && factor > 0.0 => grow_evenly(call, &body, factor),
+                Some(factor) => Err(argument.out_of_range(Interval::Positive, &number_text(factor)).into()),
+                None => Err(argument.wrong_type().into()),
             }
-            Ok(Dynamic::UNIT)
         })
 }
 
 /// Applies a swelling factor, given by a closure at the nodes of a body, in addition to earlier swelling.
-fn grow_by(call: &Call, body: &BodyHandle, closure: &Callback) -> Result<Dynamic, Box<EvalAltResult>> {
+fn grow_by(call: &Call, body: &BodyHandle, closure: &Callback) -> Result<(), Box<EvalAltResult>> {
     let (mesh, model) = (body.definition().mesh, body.model.clone());
     let before = model.0.borrow().model.growth(body.index).map(<[f64]>::to_vec);
     let mut factors = before.unwrap_or_else(|| vec![1.0; mesh.points.len()]);
@@ -70,12 +69,11 @@ fn grow_by(call: &Call, body: &BodyHandle, closure: &Callback) -> Result<Dynamic
         };
         *factor *= number;
     }
-    change(call, &model, |data| data.model.growths.push(Growth { body: body.index, factors }))?;
-    Ok(Dynamic::UNIT)
+    change(call, &model, |data| data.model.growths.push(Growth { body: body.index, factors }))
 }
 
 /// Scales the stress-free mesh of a body about its center.
-fn grow_evenly(call: &Call, body: &BodyHandle, factor: f64) -> Result<(), Failure> {
+fn grow_evenly(call: &Call, body: &BodyHandle, factor: f64) -> Result<(), Box<EvalAltResult>> {
     let definition = body.definition();
     let (mesh, model) = (definition.mesh.clone(), body.model.clone());
     let dimension = mesh.dimension();
@@ -100,6 +98,5 @@ fn grow_evenly(call: &Call, body: &BodyHandle, factor: f64) -> Result<(), Failur
     change(call, &model, |data| {
         (data.model.bodies[body.index].mesh, data.model.bodies[body.index].material) = (Arc::new(grown), material);
         data.model.initial_displacements.push(InitialDisplacement { body: body.index, displacement });
-    })?;
-    Ok(())
+    })
 }

@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use rhai::EvalAltResult;
+
 use super::arguments::{boundary_of, boundary_parameter};
 use super::change::change;
 use super::data::LoadNote;
@@ -52,7 +54,7 @@ fn directed(
             let dimension = model.0.borrow().model.dimension();
             let vector = call.argument("vector").vector(dimension)?;
             let word = format!("{name} {}", vector_text(&vector[..dimension]));
-            Ok(add_load(call, kind(vector), &word)?)
+            add_load(call, kind(vector), &word)
         })
 }
 
@@ -68,7 +70,7 @@ fn pressure() -> Function {
         .example(plate_example("press.pressure(plate.boundary(\"top\"), 50.0, ramp(0.0, 0.1, 1.0));"))
         .body(|call, _| {
             let pressure = call.number("pressure")?;
-            Ok(add_load(call, LoadKind::Pressure(pressure), &format!("pressure {}", number_text(pressure)))?)
+            add_load(call, LoadKind::Pressure(pressure), &format!("pressure {}", number_text(pressure)))
         })
 }
 
@@ -85,7 +87,7 @@ fn torque() -> Function {
         .body(|call, model| {
             let (dimension, argument) = (model.0.borrow().model.dimension(), call.argument("axis"));
             if !argument.is_given() {
-                return Ok(add_load(call, LoadKind::Torque([0.0, 0.0, 1.0]), "torque")?);
+                return add_load(call, LoadKind::Torque([0.0, 0.0, 1.0]), "torque");
             }
             if dimension == 2 {
                 let failure = argument.refuse(causes::DIMENSION, "the model is plane: a torque turns about the third axis");
@@ -96,11 +98,11 @@ fn torque() -> Function {
             if size == 0.0 {
                 return Err(argument.wrong(causes::NO_DIRECTION, "has no direction").hint("such as `[1.0, 0.0, 0.0]`").into());
             }
-            Ok(add_load(call, LoadKind::Torque(axis.map(|x| x / size)), &format!("torque about {}", vector_text(&axis)))?)
+            add_load(call, LoadKind::Torque(axis.map(|x| x / size)), &format!("torque about {}", vector_text(&axis)))
         })
 }
 
-fn add_load(call: &Call, kind: LoadKind, word: &str) -> Result<Dynamic, Failure> {
+fn add_load(call: &Call, kind: LoadKind, word: &str) -> Result<(), Box<EvalAltResult>> {
     let model = call.receiver::<ModelHandle>();
     let on = boundary_of(&call.argument("boundary"), &model)?;
     let function = amplitude_of(&call.argument("amplitude"))?;
@@ -116,8 +118,7 @@ fn add_load(call: &Call, kind: LoadKind, word: &str) -> Result<Dynamic, Failure>
         let amplitude: Amplitude = amplitude;
         data.model.loads.push(Load { kind, on, amplitude });
         data.loads.push(note);
-    })?;
-    Ok(Dynamic::UNIT)
+    })
 }
 
 fn amplitude_parameter() -> Parameter {

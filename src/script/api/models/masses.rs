@@ -36,7 +36,6 @@ pub fn add_mass() -> Function {
             let body = body_of(&options.argument("body"), &model)?;
             let node = (body.index, node_at(&options.argument("point"), &body)?);
             let mass = options.number("mass")?;
-            change(call, &model, |data| data.model.parts.push(Arc::new(PointMassDefinition { name, node, mass })))?;
-            Ok(Dynamic::UNIT)
+            change(call, &model, |data| data.model.parts.push(Arc::new(PointMassDefinition { name, node, mass })))
         })
 }

@@ -35,10 +35,7 @@ pub fn add_actuator() -> Function {
         .body(|call, model| {
             let (name, options) = (call.name("name")?, call.options("options")?);
             let (ends, force) = (ends_of(&options, &model)?, amplitude_of(&options.argument("force"))?);
-            change(call, &model, |data| {
-                data.model.parts.push(Arc::new(ActuatorDefinition { name, ends, element: ActuatorElement(force) }))
-            })?;
-            Ok(Dynamic::UNIT)
+            change(call, &model, |data| data.model.parts.push(Arc::new(ActuatorDefinition { name, ends, element: ActuatorElement(force) })))
         })
 }
 
@@ -69,8 +66,7 @@ pub fn add_motor() -> Function {
             let bodies = bodies_of(&options, &model, "a motor turns")?;
             let axis = axis_of(&options, model.0.borrow().model.dimension())?;
             let torque = amplitude_of(&options.argument("torque"))?;
-            change(call, &model, |data| data.model.parts.push(Arc::new(MotorDefinition { name, bodies, axis, torque })))?;
-            Ok(Dynamic::UNIT)
+            change(call, &model, |data| data.model.parts.push(Arc::new(MotorDefinition { name, bodies, axis, torque })))
         })
 }
 

@@ -47,7 +47,6 @@ pub fn add_rigid_body() -> Function {
             .otherwise("that of the mesh, with this mass"),
             Parameter::vector("center", "its center of mass at rest").of("length").otherwise("that of the mesh"),
         ])
-        .returns(BodyHandle::NAME)
         .see_also(&["add_joint", "add_body", "add_contact", "initial_velocity"])
         .example(plate_example(
             "let hoop = ring(#{ inner_radius: 1.0, outer_radius: 1.2, cells: [1, 24], center: [5.0, 0.0] });\n\
@@ -67,7 +66,7 @@ pub fn add_rigid_body() -> Function {
             let definition = BodyDefinition { name, mesh, material, formulation: Formulation::default(), rigid: Some(inertia) };
             change(call, &model, |data| data.model.bodies.push(definition))?;
             let index = model.0.borrow().model.bodies.len() - 1;
-            Ok(Dynamic::from(BodyHandle { model, index }))
+            Ok(BodyHandle { model, index })
         })
 }
 
@@ -214,8 +213,7 @@ pub fn add_joint() -> Function {
             let mut joint = JointDefinition { name, kind, ends, drive, limits: limits_of(&options)?, friction: None };
             joint.friction = friction_of(&options, &joint, dimension)?;
             set_length(&options, &mut joint)?;
-            change(call, &model, |data| data.model.joints.push(joint))?;
-            Ok(Dynamic::UNIT)
+            change(call, &model, |data| data.model.joints.push(joint))
         })
 }
 

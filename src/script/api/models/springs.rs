@@ -43,8 +43,7 @@ pub fn add_spring() -> Function {
             let rest_length = options.optional_number("rest_length")?;
             change(call, &model, |data| {
                 data.model.parts.push(Arc::new(SpringDefinition { name, ends, element: SpringElement { law, rest_length } }));
-            })?;
-            Ok(Dynamic::UNIT)
+            })
         })
 }
 
@@ -107,8 +106,7 @@ pub fn add_torsion_spring() -> Function {
                 directions.push(direction_of(&options, &model, "to", "to_points")?);
             }
             let law = law_of(&options)?;
-            change(call, &model, |data| data.model.parts.push(Arc::new(TorsionDefinition { name, directions, law })))?;
-            Ok(Dynamic::UNIT)
+            change(call, &model, |data| data.model.parts.push(Arc::new(TorsionDefinition { name, directions, law })))
         })
 }
 

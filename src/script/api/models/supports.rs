@@ -23,8 +23,7 @@ pub fn fix() -> Function {
             let on = boundary_of(&call.argument("boundary"), &model)?;
             let dimension = model.0.borrow().model.dimension();
             let components = components(&call.argument("components"), dimension)?;
-            change(call, &model, |data| data.model.supports.push(Support { on, components }))?;
-            Ok(Dynamic::UNIT)
+            change(call, &model, |data| data.model.supports.push(Support { on, components }))
         })
 }
 
@@ -53,8 +52,7 @@ pub fn prescribe() -> Function {
                 let failure = call.argument("motion").refuse(causes::NO_DIRECTION, "`prescribe` names no direction");
                 return Err(failure.hint("name one, such as `#{ y: ramp(0.0, 1.0, -0.1) }`; `fix` holds nodes where they are").into());
             }
-            change(call, &model, |data| data.model.prescriptions.push(Prescription { on, displacement, turn }))?;
-            Ok(Dynamic::UNIT)
+            change(call, &model, |data| data.model.prescriptions.push(Prescription { on, displacement, turn }))
         })
 }
 

@@ -55,18 +55,16 @@ fn buckling() -> Function {
              turn with their boundary are refused; the state stays as it is",
         )
         .parameters(vec![Parameter::options("how many").otherwise("#{ count: 1 }").keys(vec![count.or(1)])])
-        .returns(BucklingHandle::NAME)
         .see_also(&["settle", "follow_load", "modes"])
         .example(buckling_example("print(buckling);\nprint(buckling.factors[0]);"))
-        .body(|call, handle| {
-            let options = call.options("options")?;
+        .body_with_options(|call, handle, options| {
             let count = options.argument("count").integer()?;
             handle.refuse_in_check(call)?;
             handle.looked()?;
             let found = handle.found(call, "buckling", |simulation| simulation.buckling(count as usize))?;
             let buckling = found.map_err(|error| refused(call, &handle, error))?;
             warn(call, &buckling);
-            Ok(Dynamic::from(BucklingHandle { buckling: Rc::new(buckling), simulation: handle }))
+            Ok(BucklingHandle { buckling: Rc::new(buckling), simulation: handle })
         })
 }
 

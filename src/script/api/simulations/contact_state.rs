@@ -118,7 +118,6 @@ fn contact() -> Function {
     method_of::<SimulationHandle>(Topic::Contact, "contact")
         .summary("a contact pair as it is now")
         .parameters(vec![Parameter::text("name", "the name of the contact pair")])
-        .returns(ContactHandle::NAME)
         .see_also(&["add_contact"])
         .example(contact_example("print(sim.contact(\"foot\"));"))
         .body(|call, handle| {
@@ -132,14 +131,9 @@ fn contact() -> Function {
                 (simulation.contact(&name), simulation.time(), simulation.dimension(), cycling)
             })?;
             match found {
-                (Some(fields), time, dimension, cycling) => Ok(Dynamic::from(ContactHandle {
-                    name,
-                    time,
-                    dimension,
-                    fields: Rc::new(fields),
-                    cycling,
-                    told: ScriptOutput::of(&handle),
-                })),
+                (Some(fields), time, dimension, cycling) => {
+                    Ok(ContactHandle { name, time, dimension, fields: Rc::new(fields), cycling, told: ScriptOutput::of(&handle) })
+                }
                 (None, ..) => {
                     let names = handle.0.model.model.contact_names();
                     Err(argument.unknown_name(format!("there is no contact \"{name}\""), &name, &names).into())
@@ -155,7 +149,6 @@ fn power() -> Function {
              work of every step is the column `name.friction_work` of the history",
         )
         .parameters(vec![Parameter::text("name", "the name of the contact pair")])
-        .returns("number")
         .see_also(&["contact", "add_contact", "history"])
         .example(contact_example("sim.step();\nprint(sim.power(\"foot\"));"))
         .body(|call, handle| {
@@ -168,7 +161,7 @@ fn power() -> Function {
             let row = handle.0.script_row(handle.with_row(call, |simulation| simulation.row().clone())?);
             let work = row.contacts.get(index).map_or(0.0, |contact| contact.friction_work);
             // Before the first step and at rest, no time passes, and there is no slip.
-            Ok(if work == 0.0 || row.dt == 0.0 { 0.0 } else { work / row.dt }.into())
+            Ok(if work == 0.0 || row.dt == 0.0 { 0.0 } else { work / row.dt })
         })
 }
 
@@ -196,10 +189,9 @@ fn cycling() -> Function {
 fn number(name: &'static str, summary: &'static str, read: fn(&ContactFields) -> f64) -> Function {
     property_of::<ContactHandle>(Topic::Contact, name)
         .summary(summary)
-        .returns("number")
         .see_also(&["contact", "history"])
         .example(contact_example(&format!("print(sim.contact(\"foot\").{name});")))
-        .body(move |_, contact| Ok(read(&contact.fields).into()))
+        .body(move |_, contact| Ok(read(&contact.fields)))
 }
 
 fn array(name: &'static str, summary: &'static str, read: fn(&ContactHandle) -> Dynamic) -> Function {

@@ -37,13 +37,12 @@ fn integrator() -> Function {
     function(Topic::Simulation, CENTRAL_DIFFERENCES.name)
         .summary(CENTRAL_DIFFERENCES.summary)
         .parameters(vec![options_parameter()])
-        .returns(IntegratorHandle::NAME)
         .see_also(&["simulate", "stable_step"])
         .example(format!(
             "{FLIGHT}let sim = simulate(flight, #{{ integrator: central_differences(), dt: 0.9 * stable_step(flight) }});\n\
              sim.run_to(0.01);\nprint(sim.steps);"
         ))
-        .body(|call| Ok(Dynamic::from(IntegratorHandle(central_differences(lumping_of(&call.options("options")?)?)))))
+        .body(|call| Ok(IntegratorHandle(central_differences(lumping_of(&call.options("options")?)?))))
 }
 
 fn stable_step() -> Function {
@@ -53,7 +52,6 @@ fn stable_step() -> Function {
              a tenth less: cells that are compressed need shorter steps",
         )
         .parameters(vec![Parameter::object::<ModelHandle>("model", "the model"), options_parameter()])
-        .returns("number")
         .see_also(&["central_differences", "simulate"])
         .example(format!("{FLIGHT}print(stable_step(flight));\nprint(stable_step(flight, #{{ mass: \"hrz\" }}));"))
         .body(|call| {
@@ -64,7 +62,7 @@ fn stable_step() -> Function {
             let model = model.0.borrow().clone();
             let mut simulation = kernels(call, &model.model, None, options)?;
             let found = simulation.stable_step().map_err(|error| call.fail(error.to_string()).code(error.code()).hint(error.hint()))?;
-            Ok(found.dt.into())
+            Ok(found.dt)
         })
 }
 

@@ -120,7 +120,6 @@ fn field() -> Function {
              `contact_state` is 1 where a node sticks and 2 where it slips",
         )
         .parameters(parameters())
-        .returns("Array")
         .see_also(&["extremes", "along", "section_force", "body", "picture", "write_fields"])
         .example(flight_example(
             "sim.run_to(0.05);\nlet stress = sim.field(\"von_mises\", plate);\nprint(stress.len());\n\
@@ -133,7 +132,7 @@ fn field() -> Function {
                 Chosen::Numbers(numbers) => numbers.into_iter().map(|(_, number)| number.into()).collect(),
                 Chosen::Vectors(vectors) => vectors.iter().map(|(_, value)| vector(value, dimension)).collect(),
             };
-            Ok(values.into())
+            Ok(values)
         })
 }
 
@@ -144,7 +143,6 @@ fn extremes() -> Function {
              `min`, `min_at`, `max`, `max_at`",
         )
         .parameters(parameters())
-        .returns("Map")
         .see_also(&["field", "picture"])
         .example(flight_example(
             "sim.run_to(0.05);\nlet worst = sim.extremes(\"von_mises\", plate);\nprint(`${worst.max} at ${worst.max_at}`);",
@@ -166,7 +164,7 @@ fn extremes() -> Function {
             };
             put("min", "min_at", least);
             put("max", "max_at", most);
-            Ok(found.into())
+            Ok(found)
         })
 }
 
@@ -242,7 +240,6 @@ fn body_state() -> Function {
     method_of::<SimulationHandle>(Topic::Results, "body")
         .summary("a body as a whole now: its energies, momenta and center of mass")
         .parameters(vec![Parameter::object::<BodyHandle>("body", "the body")])
-        .returns(BodyStateHandle::NAME)
         .see_also(&["field", "history", "reaction"])
         .example(flight_example("sim.run_to(0.05);\nprint(sim.body(plate));"))
         .body(|call, handle| {
@@ -255,7 +252,7 @@ fn body_state() -> Function {
                 totals: simulation.body(index),
                 told: ScriptOutput::of(&handle),
             })?;
-            Ok(Dynamic::from(state))
+            Ok(state)
         })
 }
 

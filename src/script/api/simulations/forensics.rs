@@ -128,13 +128,12 @@ fn why() -> Function {
             "the report of the last failed step: its iterations with residual, gap violation and changes of the contact set, the worst \
              node, the cause, and a remedy",
         )
-        .returns(FailedStepHandle::NAME)
         .see_also(&["write_failed", "cycling", "set"])
         .example(flight_example("print(sim.why());"))
         .body(|call, handle| {
             let report = handle.with(call, |simulation| simulation.failure().cloned().map(Rc::new))?;
             let (simulation, hint) = (handle.0.name.clone(), handle.0.hint.borrow().clone());
-            Ok(Dynamic::from(FailedStepHandle { report, simulation, hint }))
+            Ok(FailedStepHandle { report, simulation, hint })
         })
 }
 
@@ -157,10 +156,9 @@ fn write_failed() -> Function {
 fn failed() -> Function {
     property_of::<FailedStepHandle>(Topic::Simulation, "failed")
         .summary("whether a step has failed at all")
-        .returns("bool")
         .see_also(&["why"])
         .example(flight_example("print(sim.why().failed);"))
-        .body(|_, failed_step| Ok(failed_step.report.is_some().into()))
+        .body(|_, failed_step| Ok(failed_step.report.is_some()))
 }
 
 fn iterations() -> Function {
@@ -169,20 +167,18 @@ fn iterations() -> Function {
             "the iterations of the last try as maps with `residual`, `target`, `energy` and `gap_violation` (both over what is tolerated), \
              `changes` and `active` (contact nodes), `body` and `node` of the residual, `contact`; empty when no step has failed",
         )
-        .returns("Array")
         .see_also(&["why", "cause"])
         .example(flight_example("for iteration in sim.why().iterations { print(iteration.residual / iteration.target); }"))
         .body(|_, handle| {
             let iterations = handle.report.iter().flat_map(|report| &report.iterations);
-            Ok(iterations.map(|iteration| Dynamic::from(iteration_map(iteration))).collect::<Array>().into())
+            Ok(iterations.map(|iteration| Dynamic::from(iteration_map(iteration))).collect::<Array>())
         })
 }
 
 fn cause() -> Function {
     property_of::<FailedStepHandle>(Topic::Simulation, "cause")
         .summary("the cause in two words, such as `cycling contact`; empty when no step has failed")
-        .returns("String")
         .see_also(&["why", "iterations"])
         .example(flight_example("print(sim.why().cause);"))
-        .body(|_, handle| Ok(handle.report.as_ref().map_or("", |report| name_of(&report.cause)).into()))
+        .body(|_, handle| Ok(handle.report.as_ref().map_or("", |report| name_of(&report.cause)).to_string()))
 }

@@ -86,11 +86,9 @@ fn harmonic_response() -> Function {
              materials do is left out: damping is what the options give; the state stays as it is",
         )
         .parameters(vec![Parameter::options("what swings, and what damps it").keys(option_parameters())])
-        .returns(ResponseHandle::NAME)
         .see_also(&["modes", "settle", "plot_curves"])
         .example(response_example("print(response);\nprint(response.at(plate, [2.0, 1.0]).amplitude);"))
-        .body(|call, handle| {
-            let options = call.options("options")?;
+        .body_with_options(|call, handle, options| {
             handle.refuse_in_check(call)?;
             handle.looked()?;
             let unit = handle.0.kernel_time(1.0);
@@ -104,7 +102,7 @@ fn harmonic_response() -> Function {
             warn_of_turning(call, &handle);
             let cause = "what damps the response are the options `loss_factor`, `mass_damping` and `stiffness_damping`";
             warn_of_damping(call, &handle, cause, "give what the damping amounts to as one of them; a run has it all");
-            Ok(Dynamic::from(ResponseHandle { response: Rc::new(response), simulation: handle, unit }))
+            Ok(ResponseHandle { response: Rc::new(response), simulation: handle, unit })
         })
 }
 

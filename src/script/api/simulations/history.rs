@@ -33,10 +33,9 @@ pub fn functions() -> Vec<Function> {
 fn history() -> Function {
     property_of::<SimulationHandle>(Topic::Results, "history")
         .summary("the rows of all accepted steps, as columns: `sim.history.total`")
-        .returns(HistoryHandle::NAME)
         .see_also(&["plot"])
         .example(flight_example("sim.step(3);\nprint(sim.history.total);"))
-        .body(|call, _| Ok(Dynamic::from(HistoryHandle(call.receiver()))))
+        .body(|call, _| Ok(HistoryHandle(call.receiver())))
 }
 
 fn columns() -> Function {

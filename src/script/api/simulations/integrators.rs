@@ -51,15 +51,14 @@ fn integrator_function(integrator: &'static Scheme) -> Function {
     function(Topic::Simulation, integrator.name)
         .summary(integrator.summary)
         .parameters(parameters.into_iter().collect())
-        .returns(IntegratorHandle::NAME)
         .see_also(&["simulate"])
         .example(example)
         .body(move |call| {
-            let Some(family) = family else { return Ok(Dynamic::from(IntegratorHandle(*integrator))) };
+            let Some(family) = family else { return Ok(IntegratorHandle(*integrator)) };
             let (options, mut values) = (call.options("options")?, [0.0; 2]);
             for (value, parameter) in values.iter_mut().zip(family.parameters) {
                 *value = options.number(parameter.name)?;
             }
-            Ok(Dynamic::from(IntegratorHandle((family.make)(values))))
+            Ok(IntegratorHandle((family.make)(values)))
         })
 }

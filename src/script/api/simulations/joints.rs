@@ -91,7 +91,7 @@ fn reading(
         .body(move |call, joint| {
             let failure =
                 |[lacks, hint]: [String; 2]| call.refuse(causes::NO_SUCH, format!("joint \"{}\" has no {lacks}", joint.name)).hint(hint);
-            Ok(read(&joint).map_err(failure)?.into())
+            Ok(Dynamic::from(read(&joint).map_err(failure)?))
         })
 }
 
@@ -153,7 +153,6 @@ fn joint() -> Function {
     method_of::<SimulationHandle>(Topic::Results, "joint")
         .summary("the action of a joint on the body `from` (a mean over the last step), and its position")
         .parameters(vec![Parameter::text("name", "its name")])
-        .returns(JointHandle::NAME)
         .see_also(&["add_joint", "reaction"])
         .example(example("print(sim.joint(\"hinge\"));"))
         .body(|call, handle| {
@@ -171,7 +170,7 @@ fn joint() -> Function {
                     .into());
             };
             let acting = handle.0.script_time(load.time);
-            Ok(Dynamic::from(JointHandle { name, time, acting, dimension, load, told: ScriptOutput::of(&handle) }))
+            Ok(JointHandle { name, time, acting, dimension, load, told: ScriptOutput::of(&handle) })
         })
 }
 

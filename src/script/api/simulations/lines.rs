@@ -70,7 +70,6 @@ fn along() -> Function {
             Parameter::vector("to", "the last point").of("length"),
             Parameter::integer("count", "how many points, both ends among them").within(Interval::Closed(2.0, MAX_ARRAY as f64)).or(41),
         ])
-        .returns(LineHandle::NAME)
         .see_also(&["field", "section_force", "probe", "plot_curves"])
         .example(flight_example(&format!("{EXAMPLE}print(line);\nprint(line.field(\"von_mises\").max());")))
         .body(|call, handle| {
@@ -98,20 +97,19 @@ fn along() -> Function {
             }
             let (fields, time) = handle.with(call, |simulation| (simulation.fields().swap_remove(index), simulation.time()))?;
             let length = length(std::array::from_fn(|i| b[i] - a[i]));
-            Ok(Dynamic::from(LineHandle(Rc::new(Line { geometry, time, fields, points, shares, length }))))
+            Ok(LineHandle(Rc::new(Line { geometry, time, fields, points, shares, length })))
         })
 }
 
 fn distance() -> Function {
     property_of::<LineHandle>(Topic::Results, "distance")
         .summary("the distances of the points of a line from its first one, in the undeformed body")
-        .returns("Array")
         .see_also(&["along"])
         .example(flight_example(&format!("{EXAMPLE}print(line.distance);")))
         .body(|_, handle| {
             let line = handle.0;
             let last = (line.points.len() - 1) as f64;
-            Ok((0..line.points.len()).map(|k| Dynamic::from(line.length * (k as f64 / last))).collect::<Array>().into())
+            Ok((0..line.points.len()).map(|k| Dynamic::from(line.length * (k as f64 / last))).collect::<Array>())
         })
 }
 
@@ -124,13 +122,12 @@ fn field() -> Function {
                 .otherwise("the axes of the model")
                 .keys(frame_parameters().into()),
         ])
-        .returns("Array")
         .see_also(&["along", "linearized"])
         .example(flight_example(&format!("{EXAMPLE}plot_curves(\"cut.svg\", [#{{ x: line.distance, y: line.field(\"stress_xx\") }}]);")))
         .body(|call, handle| {
             let (line, options) = (handle.0, call.options("options")?);
             let frame = frame_of(&options, line.geometry)?;
-            Ok(at_shares(&call.text("name")?, &line.fields, &frame, &line.shares, line.geometry.dimension()).into())
+            Ok(at_shares(&call.text("name")?, &line.fields, &frame, &line.shares, line.geometry.dimension()))
         })
 }
 
@@ -143,7 +140,6 @@ fn linearized() -> Function {
              `membrane_von_mises` and `membrane_tresca` are numbers, `total_von_mises` and `total_tresca` those of membrane and bending at \
              both ends",
         )
-        .returns("Map")
         .see_also(&["along", "field"])
         .example(flight_example(&format!("{EXAMPLE}let wall = line.linearized();\nprint(wall.membrane);\nprint(wall.bending);")))
         .body(|call, handle| {
@@ -154,7 +150,7 @@ fn linearized() -> Function {
                     .hint("give both ends on the surface of the wall or inside: `line.field(\"von_mises\")` is NaN outside")
                     .into());
             };
-            Ok(Linearized::new(&stresses).map().into())
+            Ok(Linearized::new(&stresses).map())
         })
 }
 

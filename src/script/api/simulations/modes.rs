@@ -169,11 +169,9 @@ fn modes() -> Function {
              still; the state stays as it is",
         )
         .parameters(vec![Parameter::options("how many").otherwise("#{ count: 6 }").keys(vec![count.or(6)])])
-        .returns(ModesHandle::NAME)
         .see_also(&["settle", "frequencies", "shape"])
         .example(modes_example("print(modes);\nprint(modes.frequencies[0]);"))
-        .body(|call, handle| {
-            let options = call.options("options")?;
+        .body_with_options(|call, handle, options| {
             let count = options.argument("count").integer()?;
             handle.refuse_in_check(call)?;
             handle.looked()?;
@@ -186,7 +184,7 @@ fn modes() -> Function {
             let (modes, bodies, obstacles, sliding) = found.map_err(|error| refused(call, &handle, error))?;
             warn(call, &handle, &modes, sliding);
             let unit = handle.0.motion.map_or(1.0, |motion| motion.units.time);
-            Ok(Dynamic::from(ModesHandle(Rc::new(ModesData { modes, simulation: handle, bodies, obstacles, unit }))))
+            Ok(ModesHandle(Rc::new(ModesData { modes, simulation: handle, bodies, obstacles, unit })))
         })
 }
 
@@ -382,8 +380,7 @@ fn picture_function() -> Function {
         ])
         .see_also(&["modes", "movie", "picture"])
         .example(modes_example("modes.picture(\"bending.svg\", #{ mode: 1 });"))
-        .body(|call, modes| {
-            let options = call.options("options")?;
+        .body_with_options(|call, modes, options| {
             let (number, mode) = modes.chosen(call, Some(&options))?;
             let (mut shown, deflection) = modes.shown(&options)?;
             shown.title = modes.title(&options, number, mode)?;
@@ -404,8 +401,7 @@ fn movie_function() -> Function {
         ])
         .see_also(&["modes", "picture", "movie"])
         .example(modes_example("modes.movie(\"bending.gif\", #{ mode: 1, width: 300 });"))
-        .body(|call, modes| {
-            let options = call.options("options")?;
+        .body_with_options(|call, modes, options| {
             let (number, mode) = modes.chosen(call, Some(&options))?;
             let (mut shown, deflection) = modes.shown(&options)?;
             shown.title = modes.title(&options, number, mode)?;
@@ -437,8 +433,7 @@ fn write_function() -> Function {
         ])
         .see_also(&["modes", "picture", "write_fields"])
         .example(modes_example("modes.write_fields(\"bending.vtu\", #{ mode: 1 });"))
-        .body(|call, modes| {
-            let options = call.options("options")?;
+        .body_with_options(|call, modes, options| {
             let (_, mode) = modes.chosen(call, Some(&options))?;
             let content = || Ok(Frame::new(modes.0.modes.time, &modes.moved(mode, 1.0)).encode());
             Ok(write(call, Some(&modes.0.simulation), &[".vtu"], content)?)

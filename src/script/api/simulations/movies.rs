@@ -25,8 +25,7 @@ pub(super) fn movie_function() -> Function {
         ])
         .see_also(&["picture", "report", "simulate"])
         .example(flight_example("sim.run_to(0.05);\nsim.movie(\"flight.gif\", #{ field: \"velocity\", seconds: 2, width: 400 });"))
-        .body(|call, handle| {
-            let options = call.options("options")?;
+        .body_with_options(|call, handle, options| {
             let title = options.argument("title").given(Argument::text)?;
             let shown = shown(&options, &handle.0)?;
             if shown.section.is_some() && !handle.0.keeping.stills.has_inside {

@@ -105,11 +105,9 @@ fn follow_load() -> Function {
              state of the path",
         )
         .parameters(vec![Parameter::options("how far, and how").keys(options)])
-        .returns(PathHandle::NAME)
         .see_also(&["settle", "modes", "restore", "plot_curves"])
         .example(path_example("print(path);\nprint(path.time);\nsim.restore(path.state(-1));"))
-        .body(|call, handle| {
-            let options = call.options("options")?;
+        .body_with_options(|call, handle, options| {
             handle.refuse_nested(call)?;
             handle.refuse_in_check(call)?;
             handle.looked()?;
@@ -129,7 +127,7 @@ fn follow_load() -> Function {
             let rows = path.points.iter().map(|point| handle.0.script_row(point.state.row.clone())).collect();
             let before = handle.0.history.borrow().clone();
             let path = PathHandle { path: Rc::new(path), rows: Rc::new(rows), before, simulation: handle };
-            Ok(Dynamic::from(path))
+            Ok(path)
         })
 }
 
@@ -218,7 +216,6 @@ fn state() -> Function {
     method_of::<PathHandle>(Topic::Results, "state")
         .summary("the state of a point of the path, for `restore`: pictures, modes and motion go on from there, the path is their history")
         .parameters(vec![Parameter::integer("point", "number of the point, from 0; negative ones count from the end")])
-        .returns(StateHandle::NAME)
         .see_also(&["follow_load", "restore", "modes"])
         .example(path_example("sim.restore(path.state(2));\nprint(sim.time);"))
         .body(|call, path| {
@@ -236,6 +233,6 @@ fn state() -> Function {
             push_equilibrium(&mut history, path.rows[0].clone());
             path.rows[1..=index].iter().for_each(|row| history.push(row.clone()));
             let state = path.path.points[index].state.clone();
-            Ok(Dynamic::from(StateHandle::of(path.simulation, state, history)))
+            Ok(StateHandle::of(path.simulation, state, history))
         })
 }

@@ -111,8 +111,7 @@ pub(super) fn picture_function() -> Function {
             "sim.picture(\"start.svg\", #{ field: \"velocity\", vectors: \"velocity\", length_unit: \"m\" });\n\
              sim.picture(\"both.png\", #{ field: [\"von_mises\", \"pressure\"], mesh: false });",
         ))
-        .body(|call, handle| {
-            let options = call.options("options")?;
+        .body_with_options(|call, handle, options| {
             let title = options.argument("title").given(Argument::text)?;
             let mut shown = shown(&options, &handle.0)?;
             Ok(write_drawing(call, Some(&handle), || {

@@ -57,8 +57,7 @@ pub(super) fn plot() -> Function {
             "sim.run_to(0.05);\nsim.plot(\"energy.svg\", [\"kinetic\", \"strain\", \"total\"]);\n\
              sim.plot(\"defect.png\", \"energy_defect\", #{ x: \"step\", y_label: \"defect [J]\", log: \"y\" });",
         ))
-        .body(|call, handle| {
-            let options = call.options("options")?;
+        .body_with_options(|call, handle, options| {
             let mut columns = chosen_columns(call, &handle)?;
             let over = options.argument("x");
             let x_name = if over.is_given() { over.text()? } else { "time".into() };

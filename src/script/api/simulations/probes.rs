@@ -118,8 +118,7 @@ fn field() -> Function {
             "let tip = sim.probe(\"tip\", plate, [2.0, 1.0]);\nlet peaks = [];\nsim.on_step(|sim| peaks.push(tip.field(\"von_mises\")));\n\
              sim.step(3);\nprint(peaks);",
         ))
-        .body(|call, handle| {
-            let options = call.options("options")?;
+        .body_with_options(|call, handle, options| {
             let (simulation, probe, name) = (&handle.simulation, handle.probe(), call.text("name")?);
             let geometry = Geometry::of(&simulation.0.model.model);
             let frame = frame_of(&options, geometry)?;
@@ -140,7 +139,6 @@ fn probe() -> Function {
             Parameter::object::<BodyHandle>("body", "the body"),
             Parameter::vector("point", "the point in the undeformed body").of("length"),
         ])
-        .returns(ProbeHandle::NAME)
         .see_also(&["history", "contact"])
         .example(flight_example(
             "let tip = sim.probe(\"tip\", plate, [2.0, 1.0]);\nsim.step(3);\nprint(tip);\nprint(sim.history[\"tip.uy\"]);",
@@ -161,7 +159,7 @@ fn probe() -> Function {
             warn_of_distance(call, &model.bodies[index], node, point);
             handle.add_probe(call, Probe { name, body: index, node })?;
             let index = handle.0.probes.borrow().len() - 1;
-            Ok(Dynamic::from(ProbeHandle { simulation: handle, index }))
+            Ok(ProbeHandle { simulation: handle, index })
         })
 }
 

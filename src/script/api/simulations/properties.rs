@@ -40,12 +40,11 @@ pub fn functions() -> Vec<Function> {
 fn time() -> Function {
     property_of::<SimulationHandle>(Topic::Simulation, "time")
         .summary("the time reached")
-        .returns("number")
         .see_also(&["history", "run_to"])
         .example(flight_example("print(sim.time);"))
         .body(|call, handle| {
             let time = handle.with_row(call, Simulation::time)?;
-            Ok(handle.0.script_time(time).into())
+            Ok(handle.0.script_time(time))
         })
 }
 
@@ -64,23 +63,21 @@ fn unknowns() -> Function {
 fn name() -> Function {
     property_of::<SimulationHandle>(Topic::Simulation, "name")
         .summary("the name of the simulation: that of its model")
-        .returns("String")
         .see_also(&["simulate"])
         .example(flight_example("print(sim.name);"))
-        .body(|_, simulation| Ok(simulation.0.name.clone().into()))
+        .body(|_, simulation| Ok(simulation.0.name.clone()))
 }
 
 fn bodies() -> Function {
     property_of::<SimulationHandle>(Topic::Simulation, "bodies")
         .summary("the bodies of the simulation, as they were when it was made")
-        .returns("Array")
         .see_also(&["add_body"])
         .example(flight_example("for body in sim.bodies { print(body.name); }"))
         .body(|_, simulation| {
             let data = simulation.0.model.clone();
             let count = data.model.bodies.len();
             let model = ModelHandle(Rc::new(RefCell::new(data)));
-            Ok((0..count).map(|index| Dynamic::from(BodyHandle { model: model.clone(), index })).collect::<Array>().into())
+            Ok((0..count).map(|index| Dynamic::from(BodyHandle { model: model.clone(), index })).collect::<Array>())
         })
 }
 

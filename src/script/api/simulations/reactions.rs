@@ -61,7 +61,6 @@ fn reaction() -> Function {
             Kind::Either("a boundary or the name of a symmetry or a periodic pair"),
             "a boundary that a support holds or moves, or the name of what couples nodes",
         )])
-        .returns(ReactionHandle::NAME)
         .see_also(&["fix", "prescribe", "contact", "history"])
         .example(contact_example(
             "let below = table.boundary(\"bottom\");\npress.fix(below);\npress.gravity([0.0, -10.0]);\n\
@@ -83,7 +82,7 @@ fn reaction() -> Function {
                 let failure = call.refuse(causes::TIME, format!("the reaction of \"{boundary}\" is not known before the first step"));
                 return Err(failure.hint("take a step, or compute an equilibrium by `sim.settle()`").into());
             };
-            Ok(Dynamic::from(ReactionHandle { boundary, time, dimension, reaction, told: ScriptOutput::of(&handle) }))
+            Ok(ReactionHandle { boundary, time, dimension, reaction, told: ScriptOutput::of(&handle) })
         })
 }
 

@@ -70,12 +70,12 @@ fn show() -> Function {
         .body(|call, handle| {
             let columns = chosen_columns(call, &handle)?;
             if call.host.is_check() {
-                return Ok(Dynamic::UNIT);
+                return Ok(());
             }
             let time = handle.column("time").unwrap_or_default();
             let curves: Vec<(&str, &[f64])> = columns.iter().map(|(name, values)| (name.as_str(), values.as_slice())).collect();
             let is_colored = call.host.observer.ink() == Ink::Colored;
             call.host.observer.print(&braille_plot(&handle.0.name, "time", &time, &curves, is_colored));
-            Ok(Dynamic::UNIT)
+            Ok(())
         })
 }

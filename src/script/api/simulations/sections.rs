@@ -81,7 +81,6 @@ fn section_force() -> Function {
             Parameter::vector("point", "a point of the plane in the undeformed body").of("length"),
             Parameter::vector("normal", "the normal of the plane, of any length").of("1"),
         ])
-        .returns(SectionHandle::NAME)
         .see_also(&["reaction", "joint", "along", "field"])
         .example(flight_example("sim.run_to(0.05);\nlet cut = sim.section_force(plate, [1.0, 0.5], [1.0, 0.0]);\nprint(cut);"))
         .body(|call, handle| {
@@ -107,7 +106,7 @@ fn section_force() -> Function {
                 let failure = point.refuse(causes::EMPTY, format!("the plane does not part the cells of body \"{}\"", definition.name));
                 return Err(failure.hint("give a point within the undeformed body").into());
             };
-            Ok(Dynamic::from(SectionHandle { body: definition.name.clone(), time, dimension, section, told: ScriptOutput::of(&handle) }))
+            Ok(SectionHandle { body: definition.name.clone(), time, dimension, section, told: ScriptOutput::of(&handle) })
         })
 }
 

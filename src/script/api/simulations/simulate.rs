@@ -101,12 +101,11 @@ fn simulate() -> Function {
                 .concat(),
             ),
         ])
-        .returns(SimulationHandle::NAME)
         .see_also(&["run_to", "step", "settle"])
         .example(format!(
             "{FLIGHT}let sim = simulate(flight, #{{ integrator: energy_momentum(), dt: 0.01, fields_every: 0.1 }});\nprint(sim);"
         ))
-        .body(|call| Ok(Dynamic::from(make(call)?)))
+        .body(|call| Ok(make(call)?))
 }
 
 fn make(call: &Call) -> Result<SimulationHandle, Failure> {

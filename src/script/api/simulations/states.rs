@@ -70,7 +70,6 @@ pub fn functions() -> Vec<Function> {
 fn save() -> Function {
     method_of::<SimulationHandle>(Topic::Simulation, "save")
         .summary("the state of the simulation as a value, to go back to")
-        .returns(StateHandle::NAME)
         .see_also(&["restore", "back", "branch"])
         .example(flight_example("let start = sim.save();\nsim.step(3);\nsim.restore(start);"))
         .body(|call, handle| {
@@ -80,7 +79,7 @@ fn save() -> Function {
                 Err(_) => return Err(busy(call).into()),
             };
             let history = handle.0.history.borrow().clone();
-            Ok(Dynamic::from(StateHandle::of(handle, state, history)))
+            Ok(StateHandle::of(handle, state, history))
         })
 }
 
@@ -94,7 +93,7 @@ fn restore() -> Function {
             let state = call.handle::<StateHandle>("state")?;
             state.refuse_for(call, &handle)?;
             handle.go_to(call, &state.state, state.history)?;
-            Ok(Dynamic::UNIT)
+            Ok(())
         })
 }
 
@@ -107,7 +106,7 @@ fn back() -> Function {
         .body(|call, handle| {
             let count = call.integer("count")? as usize;
             if call.host.is_check() || count == 0 {
-                return Ok(Dynamic::UNIT);
+                return Ok(());
             }
             let kept = handle.0.past.borrow().len();
             if count > kept {
@@ -120,14 +119,13 @@ fn back() -> Function {
             let rows = handle.0.past.borrow()[kept - count].rows;
             let history = handle.0.history.borrow().first(rows);
             handle.go_to(call, &state, history)?;
-            Ok(Dynamic::UNIT)
+            Ok(())
         })
 }
 
 fn branch() -> Function {
     method_of::<SimulationHandle>(Topic::Simulation, "branch")
         .summary("an independent copy of the simulation as it is now, with its history; closures of `on_step` stay with the original")
-        .returns(SimulationHandle::NAME)
         .see_also(&["save", "set"])
         .example(flight_example("sim.step(2);\nlet other = sim.branch();\nother.set(#{ dt: 0.005 });\nother.step(2);\nprint(sim.time);"))
         .body(|call, handle| {
@@ -151,7 +149,7 @@ fn branch() -> Function {
                 own.record_behind(original.recording().clone());
             }
             *branch.0.closed_since.borrow_mut() = handle.0.closed_since.borrow().clone();
-            Ok(Dynamic::from(branch))
+            Ok(branch)
         })
 }
 
@@ -168,8 +166,7 @@ fn set() -> Function {
         ])
         .see_also(&["simulate", "branch"])
         .example(flight_example("sim.step(2);\nsim.set(#{ dt: 0.002 });\nsim.step();\nprint(sim.time);"))
-        .body(|call, handle| {
-            let options = call.options("options")?;
+        .body_with_options(|call, handle, options| {
             let (dt, tolerance, halvings) =
                 (options.argument("dt"), options.optional_number("tolerance")?, options.argument("max_halvings"));
             let size = if dt.is_given() { Some(StepSize::of(&dt)?) } else { None };
@@ -182,18 +179,17 @@ fn set() -> Function {
             }
             simulation.set_steps(now.dt, tolerance.unwrap_or(now.tolerance), halvings.unwrap_or(now.max_halvings));
             call.host.count_effect();
-            Ok(Dynamic::UNIT)
+            Ok(())
         })
 }
 
 fn dt() -> Function {
     property_of::<SimulationHandle>(Topic::Simulation, "dt")
         .summary("the size of the next step, should nothing come first")
-        .returns("number")
         .see_also(&["set"])
         .example(flight_example("print(sim.dt);"))
         .body(|call, handle| match handle.0.simulation.try_borrow() {
-            Ok(simulation) => Ok(handle.0.script_time(simulation.next_step()).into()),
+            Ok(simulation) => Ok(handle.0.script_time(simulation.next_step())),
             Err(_) => Err(busy(call).into()),
         })
 }

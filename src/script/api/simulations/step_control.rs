@@ -117,13 +117,12 @@ pub fn auto() -> Function {
             Parameter::number("plastic_strain", "1", Interval::Positive, "the largest plastic strain of a step at any point of a body")
                 .otherwise("no bound"),
         ])
-        .returns(StepControlHandle::NAME)
         .see_also(&["simulate", "run_to"])
         .example(format!(
             "{FLIGHT}let sim = simulate(flight, #{{ integrator: energy_momentum(), dt: auto(#{{ tolerance: 1e-4 }}) }});\n\
              sim.run_to(0.1);\nprint(sim.history.dt);"
         ))
-        .body(|call| Ok(Dynamic::from(make(call)?)))
+        .body(|call| Ok(make(call)?))
 }
 
 fn make(call: &Call) -> Result<StepControlHandle, Failure> {

@@ -34,7 +34,7 @@ pub fn step() -> Function {
         .body(|call, simulation| {
             let count = call.integer("count")?;
             simulation.advance(call, None, count as usize)?;
-            Ok(Dynamic::UNIT)
+            Ok(())
         })
 }
 
@@ -56,7 +56,7 @@ pub fn run_to() -> Function {
                 return Err(failure.hint("keep a state with `sim.save()` and go back to it with `sim.restore(state)`").into());
             }
             handle.advance(call, Some(end), usize::MAX)?;
-            Ok(Dynamic::UNIT)
+            Ok(())
         })
 }
 
@@ -71,7 +71,7 @@ pub fn on_step() -> Function {
             let callback = call.callback("action")?;
             call.host.count_effect();
             simulation.0.callbacks.borrow_mut().push(callback);
-            Ok(Dynamic::UNIT)
+            Ok(())
         })
 }
 

@@ -32,9 +32,9 @@ pub fn functions() -> Vec<Function> {
                 let is_reached = call.host.is_stopped();
                 call.host.stop_after(before);
                 match outcome {
-                    Err(error) if is_reached && is_interrupt(&error) && !call.host.is_interrupted() => Ok(Dynamic::UNIT),
+                    Err(error) if is_reached && is_interrupt(&error) && !call.host.is_interrupted() => Ok(()),
                     Err(error) => Err(passed_on(call, &action, error)),
-                    Ok(_) => Ok(Dynamic::UNIT),
+                    Ok(_) => Ok(()),
                 }
             }),
     ]

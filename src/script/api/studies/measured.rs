@@ -12,7 +12,6 @@ pub fn read_csv() -> Function {
              commas, semicolons, tabs or blanks, `#` begins a remark; an empty field of numbers is NaN",
         )
         .parameters(vec![Parameter::text("path", "the file, below the folder of the script or a folder that `--allow-read` names")])
-        .returns("Map")
         .see_also(&["compare", "write_table", "fit"])
         .example(
             "// measured.csv has the lines `time,force`, `0.0,0.0`, `0.5,1.2`, …\n\
@@ -23,7 +22,7 @@ pub fn read_csv() -> Function {
                   print(problem);\n\
                   }",
         )
-        .body(|call| Ok(read(call)?.into()))
+        .body(|call| Ok(read(call)?))
 }
 
 fn read(call: &Call) -> Result<Map, Failure> {

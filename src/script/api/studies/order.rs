@@ -49,7 +49,7 @@ pub fn expect_order() -> Function {
         .body(run_order)
 }
 
-fn run_order(call: &Call) -> Result<Dynamic, Box<EvalAltResult>> {
+fn run_order(call: &Call) -> Result<(), Box<EvalAltResult>> {
     let (order, options) = (call.number("order")?, call.options("options")?);
     let (largest, runs, tolerance) = (options.number("dt")?, options.integer("runs")?, options.number("tolerance")?);
     let exact = exact_of(&options)?;
@@ -58,7 +58,7 @@ fn run_order(call: &Call) -> Result<Dynamic, Box<EvalAltResult>> {
         return Err(failure.hint("give `runs: 4`, or `exact: …`").into());
     }
     if only_listed(call, &format!("the closure converges with order {}", number_text(order))) {
-        return Ok(Dynamic::UNIT);
+        return Ok(());
     }
     let sizes: Vec<f64> = (0..runs).map(|run| largest / f64::powi(2.0, run as i32)).collect();
     let mut results = side_by_side(call, &sizes, exact.as_ref().map(Vec::len))?;

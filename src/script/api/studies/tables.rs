@@ -30,7 +30,6 @@ fn format_table() -> Function {
     function(Topic::Studies, "format_table")
         .summary("rows as a table to print, with six digits")
         .parameters(vec![rows_parameter(), columns_parameter()])
-        .returns("String")
         .see_also(&["sweep", "write_table"])
         .example("print(format_table([#{ dt: 0.1, defect: 1e-3 }, #{ dt: 0.05, defect: 2.5e-4 }], [\"dt\", \"defect\"]));")
         .body(|call| {
@@ -41,7 +40,7 @@ fn format_table() -> Function {
                 other => other.field(),
             };
             let rows: Vec<Vec<String>> = rows.iter().map(|row| row.iter().map(cell).collect()).collect();
-            Ok(table(&names.iter().map(String::as_str).collect::<Vec<_>>(), &rows).into())
+            Ok(table(&names.iter().map(String::as_str).collect::<Vec<_>>(), &rows))
         })
 }
 

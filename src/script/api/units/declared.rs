@@ -99,7 +99,7 @@ pub fn units() -> Function {
         .body(|call| {
             let set = set_of(call)?;
             call.host.slots.get::<DeclaredUnits>().declare(call, set)?;
-            Ok(Dynamic::UNIT)
+            Ok(())
         })
 }
 
