@@ -14,8 +14,9 @@
 //! `D` depends on the invariants only and is homogeneous of first degree like `h`: discrete gradient, momenta and objectivity carry over.
 //! Five Gauss points on the overlap are exact to ninth degree in `s`; `N_k D` is of fifth degree plus terms of higher order in `mu p`.
 //!
-//! The functions of `G` are evaluated once per point for all derivatives that are requested there, and its integrals are combined with the
-//! directions `w_eta` and `w_m` outside of the sum. Derivatives, with `w_eta = (s, -eta, eta - 1, 0, 0)`, `w_m = (0, -m, m, 0, 1)` and `J = 1 - mu p'(xi)`:
+//! The functions of `G` are evaluated once per point for all derivatives that are requested there, and integrals of them are combined with
+//! the directions `w_eta` and `w_m`. Derivatives, with `w_eta = (s, -eta, eta - 1, 0, 0)`, `w_m = (0, -m, m, 0, 1)` and
+//! `J = 1 - mu p'(xi)`:
 //!
 //! ```text
 //! dD      = p_1 e_1 + G (e_2 - e_3) + G_eta w_eta + G_m w_m
@@ -173,8 +174,8 @@ impl Overlap<'_> {
         dispatch(ValueAndGradient { overlap: self, profiles, value, gradient });
     }
 
-    /// Adds the gradient of `- int N_k D ds` to those of the weighted gaps, and the Hessian of `int W D ds` to the upper triangle `hessian`;
-    /// the linear weight function `W` is given by its values at the ends of the facet.
+    /// Adds the gradient of `- int N_k D ds` to those of the weighted gaps, and the Hessian of `int W D ds` to the upper triangle
+    /// `hessian`; the linear weight function `W` is given by its values at the ends of the facet.
     pub(super) fn add_derivatives(
         &self,
         profiles: &PairProfiles,
