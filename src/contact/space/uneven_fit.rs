@@ -40,8 +40,8 @@ const RESPONSE: f64 = 6.0;
 /// and 17 on 4 and 5 cells in a quarter.
 const RESPONSE_OF_COARSE: f64 = 27.0;
 
-/// Ratio of the mean heights of primary and secondary facets above which the primary ones are coarse: facets of 1.73 times the length.
-const COARSE: f64 = 3.0;
+/// Ratio of the mean heights of primary and secondary facets above which the primary ones are coarse: facets of 1.64 times the length.
+const COARSE: f64 = 2.7;
 
 /// [`RESPONSE`] for faces of three or six nodes. Measured: 48 in fits of tubes of `tet4` with 28 on 20 cells around and an interference of
 /// 1e-3 of the radius, 33 and 55 in fits of spheres of `tet10` with 24 on 16 cells around and interferences of 1e-5 and 1e-4.
@@ -84,30 +84,24 @@ pub fn uneven_fit(mut surfaces: ProxySurfacesInSpace, q: &[f64]) -> Option<Uneve
         return None;
     }
     let surface = kernel.secondary().clone();
+    let is_coarse = height(kernel.primary(), q) > COARSE * height(&surface, q);
     let of_curves = overlaps(kernel, q);
     let interference = mean(&of_curves)?;
     if of_curves.iter().flatten().count() < FEW || interference <= STRAIGHT * STRAIGHT * size {
         return None;
     }
-    // Parts of the overlap from the heights of both sides.
-    let (mut with, mut parts) = (of_curves.clone(), [Vec::new(), Vec::new()]);
-    for side in [1, 0] {
-        surfaces.profiles[side].fill(Profile::default());
-        let without = overlaps(surfaces.on_nodes(MortarInSpace::kernel(&surfaces), true), q);
-        parts[side] = with.iter().zip(&without).map(|(with, without)| Some((*with)? - (*without)?)).collect();
-        with = without;
-    }
-    let [own_height, height] = [mean(&parts[0])?, mean(&parts[1])?];
-    let strain = interference * curvature * if height > 0.0 { STRAINS[1] } else { -STRAINS[0] };
-    let overlaps: Vec<Option<f64>> =
-        of_curves.iter().zip(&parts[1]).map(|(overlap, height)| Some((*overlap)? + strain * (*height)?)).collect();
+    surfaces.profiles[1].fill(Profile::default());
+    let of_facets = overlaps(surfaces.on_nodes(MortarInSpace::kernel(&surfaces), true), q);
+    let heights: Vec<Option<f64>> = of_curves.iter().zip(of_facets).map(|(with, without)| Some((*with)? - without?)).collect();
+    let strain = interference * curvature * if mean(&heights)? > 0.0 { STRAINS[1] } else { -STRAINS[0] };
+    let overlaps: Vec<Option<f64>> = of_curves.iter().zip(heights).map(|(overlap, height)| Some((*overlap)? + strain * height?)).collect();
     let deviations: Vec<f64> =
         (0..overlaps.len()).filter_map(|node| Some(overlaps[node]? - around(&surface, node, &overlaps, q)?)).collect();
     let deviation = (deviations.iter().map(|r| r * r).sum::<f64>() / deviations.len().max(1) as f64).sqrt();
     let is_of_triangles = (0..surface.count()).all(|facet| surface.facet(facet).len() == 3);
     let response = if is_of_triangles {
         RESPONSE_OF_TRIANGLES
-    } else if height.abs() > COARSE * own_height.abs() {
+    } else if is_coarse {
         RESPONSE_OF_COARSE
     } else {
         RESPONSE
@@ -165,6 +159,12 @@ fn curvature(surface: &Surface, q: &[f64]) -> f64 {
     (0..surface.count()).map(of).sum::<f64>() / surface.count() as f64
 }
 
+/// Mean height of a curve over the facets of a surface `[length]`.
+fn height(surface: &Surface, q: &[f64]) -> f64 {
+    let profiles = Profiles::of_curve(surface, q, super::press_fit::CURVE);
+    (0..surface.count()).map(|facet| profiles.height(facet).abs()).sum::<f64>() / surface.count() as f64
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -215,7 +215,7 @@ mod tests {
         let is_reported =
             |kind, cells: [usize; 2], fit: f64| found(kind, false, cells.map(|n| 4 * n), cells[0] < cells[1], fit).is_distorted();
         for kind in [CellKind::Hex8, CellKind::Hex20, CellKind::Hex27] {
-            for cells in [[10, 4], [17, 5]] {
+            for cells in [[10, 4], [17, 5], [9, 5]] {
                 assert!([1e-2, 1e-3].into_iter().all(|fit| is_reported(kind, cells, fit)), "{kind:?} {cells:?}");
             }
             for cells in [[12, 10], [16, 11], [13, 9], [12, 8]] {
@@ -230,8 +230,9 @@ mod tests {
     #[test]
     fn coarse_spheres_are_uneven() {
         assert!(found(CellKind::Hex8, true, [24, 16], false, 1e-3).is_distorted());
-        let [large, small] = [1e-2, 1e-5].map(|fit| found(CellKind::Hex20, true, [24, 16], false, fit));
-        assert!(!large.is_distorted() && small.is_distorted(), "{large:?} {small:?}");
+        // Measured in octants: 1.1 and 1.8 % for 1e-2 and 1e-3.
+        let [large, less, small] = [1e-2, 1e-3, 1e-5].map(|fit| found(CellKind::Hex20, true, [24, 16], false, fit));
+        assert!(!large.is_distorted() && !less.is_distorted() && small.is_distorted(), "{large:?} {less:?} {small:?}");
         assert!(found(CellKind::Tet10, true, [24, 16], false, 1e-5).is_distorted());
     }
 }
