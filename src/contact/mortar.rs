@@ -12,7 +12,7 @@ use super::method::ContactMethod;
 use super::multiplier_shapes::{DUAL, MultiplierFunctions, STANDARD, dual_around_axis};
 use super::numbers::Number;
 use super::pair::{Invariants, Offsets, Overlap, PerNode, invariants, offsets, overlaps, pull_back, slip_weights, tangent_into};
-use super::pair_step::{Differentiated, Functions, PairStart, combined, covered_length, dot, gradient, value};
+use super::pair_step::{Differentiated, Functions, PairStart, combined, covered_length, dot, value, value_and_gradient};
 use super::patches::Evaluation;
 use super::profile::{PairProfiles, Profile};
 use super::search::PairSearch;
@@ -153,7 +153,7 @@ impl Mortar {
             }
             let d: Invariants = std::array::from_fn(|k| end_pi[k] - start.invariants[k]);
             let profiles = self.profiles(p);
-            let middle_gradient = gradient(&start.shape, &Overlap::new(&middle_pi, profiles));
+            let (_, middle_gradient) = value_and_gradient(&start.shape, &Overlap::new(&middle_pi, profiles));
             let end_value = value(&start.shape, &Overlap::new(&end_pi, profiles));
             for k in 0..2 {
                 let sums = &mut sums[self.sides.patches.rows(p)[k] as usize];
@@ -265,10 +265,8 @@ impl PatchFunctions for Mortar {
                 _ => Overlap::new(&middle_pi, profiles),
             };
             let end = Overlap::new(&end_pi, profiles);
-            let end_gradient = gradient(&start.shape, &end);
-            let mut end_value = [0.0; 2];
+            let (end_value, end_gradient) = value_and_gradient(&start.shape, &end);
             if let Some(end) = &end {
-                end_value = combined(&start.shape, &end.value());
                 for ((row, value), length) in rows.into_iter().zip(end_value).zip(covered_length(&start.shape, &end_pi, end)) {
                     out.gap[row] += value;
                     out.coverage[row] += length;

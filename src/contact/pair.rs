@@ -133,19 +133,52 @@ impl<'a> Overlap<'a> {
     /// Weighted gaps `Phi_1, Phi_2`.
     #[inline(always)]
     pub fn value(&self) -> PerNode<f64> {
-        let rate = self.slope * self.pi[0];
-        let depth = 0.5 * self.pi[3] + rate * self.shift;
-        let spread = rate * self.length * self.length * (1.0 / 12.0);
-        let mut value = [0, 1].map(|k| -self.length * (self.middle[k] * depth + RISE[k] * spread));
+        let mut value = self.value_of_facets();
         if let Some(profiles) = self.profiles {
             self.add_value(profiles, &mut value);
         }
         value
     }
 
-    /// Gradients of `Phi_1, Phi_2` with respect to the invariants.
+    /// Weighted gaps between straight facets.
     #[inline(always)]
-    pub fn gradient(&self) -> PerNode<Invariants> {
+    fn value_of_facets(&self) -> PerNode<f64> {
+        let rate = self.slope * self.pi[0];
+        let depth = 0.5 * self.pi[3] + rate * self.shift;
+        let spread = rate * self.length * self.length * (1.0 / 12.0);
+        [0, 1].map(|k| -self.length * (self.middle[k] * depth + RISE[k] * spread))
+    }
+
+    /// Weighted gaps `Phi_1, Phi_2` and their gradients with respect to the invariants.
+    #[inline(always)]
+    pub fn value_and_gradient(&self) -> (PerNode<f64>, PerNode<Invariants>) {
+        let (mut value, mut gradient) = (self.value_of_facets(), self.gradient_of_facets());
+        if let Some(profiles) = self.profiles {
+            self.add_value_and_gradient(profiles, &mut value, &mut gradient);
+        }
+        (value, gradient)
+    }
+
+    /// Gradients of `Phi_1, Phi_2` with respect to the invariants, and the Hessian of `weights[0] Phi_1 + weights[1] Phi_2`.
+    #[inline(always)]
+    pub fn derivatives(&self, weights: PerNode<f64>) -> (PerNode<Invariants>, [Invariants; 5]) {
+        // Weight function W = weights . N, with the sign of Phi = - int W h ds.
+        let weights = weights.map(|weight| -weight);
+        let (mut gradient, mut h) = (self.gradient_of_facets(), self.hessian_of_facets(weights));
+        if let Some(profiles) = self.profiles {
+            self.add_derivatives(profiles, weights, &mut gradient, &mut h);
+        }
+        for row in 1..5 {
+            for column in 0..row {
+                h[row][column] = h[column][row];
+            }
+        }
+        (gradient, h)
+    }
+
+    /// Gradients of `Phi_1, Phi_2` between straight facets.
+    #[inline(always)]
+    fn gradient_of_facets(&self) -> PerNode<Invariants> {
         let [a, b] = self.ends;
         let inverse = 1.0 / self.pi[0];
         // A moving end contributes the depth there: d b = (-b, 1, 0, 0, 0)/pi_1, d a = (-a, 0, 1, 0, 0)/pi_1.
@@ -153,7 +186,7 @@ impl<'a> Overlap<'a> {
         let sweep_b = if self.moves[1] { 0.5 * (self.pi[3] + self.pi[4]) * inverse } else { 0.0 };
         let (at_a, at_b) = ([1.0 - a, a], [1.0 - b, b]);
         let steepness = self.slope / self.extent;
-        let mut gradient = [0, 1].map(|k| {
+        [0, 1].map(|k| {
             let integrals = self.integrals(self.middle[k], RISE[k]);
             let (end_a, end_b) = (at_a[k] * sweep_a, at_b[k] * sweep_b);
             let turn = steepness * integrals.lever;
@@ -165,18 +198,13 @@ impl<'a> Overlap<'a> {
                 -0.5 * integrals.one,
                 -integrals.lever / self.extent,
             ]
-        });
-        if let Some(profiles) = self.profiles {
-            self.add_gradient(profiles, &mut gradient);
-        }
-        gradient
+        })
     }
 
-    /// Hessian of `weights[0] Phi_1 + weights[1] Phi_2` with respect to the invariants.
+    /// Upper triangle of the Hessian of `int W h ds` between straight facets; the linear weight function `W` is given by its values at the
+    /// ends of the secondary facet.
     #[inline(always)]
-    pub fn hessian(&self, weights: PerNode<f64>) -> [Invariants; 5] {
-        // Weight function W = weights . N, with the sign of Phi = - int W h ds.
-        let weights = weights.map(|weight| -weight);
+    fn hessian_of_facets(&self, weights: PerNode<f64>) -> [Invariants; 5] {
         let rise = weights[1] - weights[0];
         let integrals = self.integrals(weights[0] * self.middle[0] + weights[1] * self.middle[1], rise);
         let inverse = 1.0 / self.pi[0];
@@ -215,14 +243,6 @@ impl<'a> Overlap<'a> {
             h[0][4] += half * weight * s_1[0];
             h[node][3] += 0.5 * weight * s_1[1];
             h[node][4] += half * weight * s_1[1];
-        }
-        if let Some(profiles) = self.profiles {
-            self.add_hessian(profiles, weights, &mut h);
-        }
-        for row in 1..5 {
-            for column in 0..row {
-                h[row][column] = h[column][row];
-            }
         }
         h
     }
@@ -419,7 +439,7 @@ mod tests {
             let (pi, profiles) = (of(x), is_curved.then_some(&CURVED));
             prop_assume!(!(near_limit(&pi, STEP) || is_curved && is_steep(&pi)));
             if let Some(overlap) = Overlap::new(&pi, profiles) {
-                let gradient = overlap.gradient();
+                let (_, gradient) = overlap.value_and_gradient();
                 for k in 0..5 {
                     let expected = difference(|pi| value(pi, profiles), &pi, k, STEP);
                     for n in 0..2 {
@@ -436,9 +456,10 @@ mod tests {
             let (pi, profiles) = (of(x), is_curved.then_some(&CURVED));
             prop_assume!(!(near_limit(&pi, STEP) || is_curved && is_steep(&pi)));
             if let Some(overlap) = Overlap::new(&pi, profiles) {
-                let hessian = overlap.hessian([w_1, w_2]);
+                let (same, hessian) = overlap.derivatives([w_1, w_2]);
+                prop_assert_eq!(same, overlap.value_and_gradient().1);
                 let gradient = |pi: &Invariants| {
-                    let g = Overlap::new(pi, profiles).unwrap().gradient();
+                    let (_, g) = Overlap::new(pi, profiles).unwrap().value_and_gradient();
                     std::array::from_fn(|k| w_1 * g[0][k] + w_2 * g[1][k])
                 };
                 for k in 0..5 {

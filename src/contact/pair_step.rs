@@ -41,20 +41,27 @@ pub(super) fn value(shape: &MultiplierFunctions, overlap: &Option<Overlap>) -> P
     overlap.as_ref().map_or([0.0; 2], |overlap| combined(shape, &overlap.value()))
 }
 
-/// Gradients of the weighted gaps of an overlap; zero without overlap.
+/// Weighted gaps of an overlap and their gradients; zero without overlap.
 #[inline(always)]
-pub(super) fn gradient(shape: &MultiplierFunctions, overlap: &Option<Overlap>) -> PerNode<Invariants> {
-    overlap.as_ref().map_or([[0.0; 5]; 2], |overlap| {
-        let standard = overlap.gradient();
-        shape.map(|row| weighted(&standard, row))
+pub(super) fn value_and_gradient(shape: &MultiplierFunctions, overlap: &Option<Overlap>) -> (PerNode<f64>, PerNode<Invariants>) {
+    overlap.as_ref().map_or(([0.0; 2], [[0.0; 5]; 2]), |overlap| {
+        let (value, gradient) = overlap.value_and_gradient();
+        (combined(shape, &value), shape.map(|row| weighted(&gradient, row)))
     })
 }
 
-/// Hessian of `weights[0] Phi_1 + weights[1] Phi_2` of an overlap; zero without overlap.
+/// Gradients of the weighted gaps of an overlap, and the Hessian of `weights[0] Phi_1 + weights[1] Phi_2`; zero without overlap. Without
+/// weights the Hessian is not computed.
 #[inline(always)]
-pub(super) fn hessian(shape: &MultiplierFunctions, overlap: &Option<Overlap>, weights: PerNode<f64>) -> [Invariants; 5] {
+fn derivatives(shape: &MultiplierFunctions, overlap: &Option<Overlap>, weights: PerNode<f64>) -> (PerNode<Invariants>, [Invariants; 5]) {
+    if weights == [0.0; 2] {
+        return (value_and_gradient(shape, overlap).1, [[0.0; 5]; 5]);
+    }
     let standard = [0, 1].map(|k| shape[0][k] * weights[0] + shape[1][k] * weights[1]);
-    overlap.as_ref().map_or([[0.0; 5]; 5], |overlap| overlap.hessian(standard))
+    overlap.as_ref().map_or(([[0.0; 5]; 2], [[0.0; 5]; 5]), |overlap| {
+        let (gradient, hessian) = overlap.derivatives(standard);
+        (shape.map(|row| weighted(&gradient, row)), hessian)
+    })
 }
 
 /// Weighted sum `weights[0] f[0] + weights[1] f[1]`.
@@ -97,9 +104,8 @@ impl Functions<'_> {
     #[inline(always)]
     pub(super) fn with_correction(&self, a: PerNode<f64>) -> Differentiated {
         let (d, weights) = (self.increment(), self.weights);
-        let middle_gradient = gradient(&self.start.shape, self.middle);
+        let (middle_gradient, mut slope) = derivatives(&self.start.shape, self.middle, weights.map(|weight| 0.5 * weight));
         let bar: PerNode<Invariants> = [0, 1].map(|k| std::array::from_fn(|l| middle_gradient[k][l] + a[k] * d[l]));
-        let mut slope = hessian(&self.start.shape, self.middle, weights.map(|weight| 0.5 * weight));
         for k in 0..5 {
             slope[k][k] += weights[0] * a[0] + weights[1] * a[1];
         }
@@ -110,7 +116,7 @@ impl Functions<'_> {
     #[inline(always)]
     pub(super) fn with_own_correction(&self) -> Differentiated {
         let (d, weights, end_value, start) = (self.increment(), self.weights, self.end_value, self.start);
-        let middle_gradient = gradient(&start.shape, self.middle);
+        let (middle_gradient, hessian) = derivatives(&start.shape, self.middle, weights);
         let square = dot(&d, &d);
         let remainder = [0, 1].map(|k| end_value[k] - start.value[k] - dot(&middle_gradient[k], &d));
         // For small increments the remainder of the discrete gradient is round-off, unless a kink lies between start and end.
@@ -132,7 +138,7 @@ impl Functions<'_> {
             discrete_gradient(
                 &d,
                 &weighted(&middle_gradient, weights),
-                &hessian(&start.shape, self.middle, weights),
+                &hessian,
                 &weighted(self.end_gradient, weights),
                 weights[0] * remainder[0] + weights[1] * remainder[1],
                 threshold,
@@ -146,8 +152,8 @@ impl Functions<'_> {
     /// Gradients at a single configuration, with the overlap there.
     #[inline(always)]
     pub(super) fn plain(&self, overlap: &Option<Overlap>, placement: Placement) -> Differentiated {
-        let bar = if placement.trial == Configuration::End { *self.end_gradient } else { gradient(&self.start.shape, overlap) };
-        let slope = hessian(&self.start.shape, overlap, self.weights.map(|weight| placement.share * weight));
+        let (gradient, slope) = derivatives(&self.start.shape, overlap, self.weights.map(|weight| placement.share * weight));
+        let bar = if placement.trial == Configuration::End { *self.end_gradient } else { gradient };
         Differentiated { weighted_bar: weighted(&bar, self.weights), bar, slope }
     }
 }

@@ -1,8 +1,12 @@
 //! Press fits in space whose weighted gaps differ from node to node (findings of `checks.rs`).
 //!
 //! The overlap `D_A = -Phi_A/w_A` of a secondary node is the mean distance of both surfaces over the facets of the node, as contact sees
-//! them. Pressures between nonmatching meshes follow its short waves: with its deviation `r_A` from the plane through the neighboring
-//! nodes' overlaps, facets of the length `l` and curvatures with the sum `k`, the relative error of nodal pressures (root mean square) is
+//! them. It differs from node to node for two reasons. Quadratic heights deviate from the curve. And heights do not follow the strain `e`
+//! of the fit, by which a convex primary side shrinks and a hollow one widens: with the part `P_A` of `D_A` from the heights of the primary
+//! facets, positive on a convex side, the overlap is uneven by `e |P_A|`, whatever the interference.
+//!
+//! Pressures between nonmatching meshes follow its short waves: with its deviation `r_A` from the plane through the neighboring nodes'
+//! overlaps, facets of the length `l` and curvatures with the sum `k`, the relative error of nodal pressures (root mean square) is
 //!
 //! ```text
 //! RESPONSE rms(r)/(mean(D) k l)
@@ -11,20 +15,36 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::mortar::MortarInSpace;
-use super::profiles::Profiles;
+use super::profiles::{Profile, Profiles};
 use super::second_order::ProxySurfacesInSpace;
 use crate::contact::faces::{self, Vector};
-use crate::contact::polygon_fit::{DISTORTED, FEW};
+use crate::contact::kernel::ContactKernel;
+use crate::contact::polygon_fit::FEW;
 use crate::contact::surface::Surface;
 use crate::contact::window::{MotionBound, PredictedMotion};
 use crate::math::tolerances::STRAIGHT;
 
-/// Relative error of nodal pressures per relative deviation of the overlap of neighboring nodes, times `k l`. Measured in fits of tubes of
-/// `hex8` with 28 on 20 cells around: 9.4 and 8.4 for interferences of 1e-4 and 1e-3 of the radius.
-const RESPONSE: f64 = 9.0;
+/// Expected relative error of nodal pressures from which a fit is reported. Measured in quarter tubes of `hex8`: estimates of at most 0.021
+/// where pressures are accurate to 2 % and interferences at least 1e-3 of the radius (9 on 6 cells).
+const REPORTED: f64 = 0.022;
 
-/// [`RESPONSE`] for facets of three nodes. Measured: 48 in fits of tubes of `tet4` with 28 on 20 cells around and an interference of 1e-3
-/// of the radius, 33 and 55 in fits of spheres of `tet10` with 24 on 16 cells around and interferences of 1e-5 and 1e-4.
+/// Hoop strain of a hollow and of a convex body, relative to the interference times the curvature: a hollow body is the softer one.
+const STRAINS: [f64; 2] = [2.0 / 3.0, 1.0 / 3.0];
+
+/// Relative error of nodal pressures per relative deviation of the overlap of neighboring nodes, times `k l`. Measured in fits of quarter
+/// tubes of `hex8`: 3.1 to 6.5 with facets in the ratio 1.5 (8 on 12 and 12 on 8 cells), 9 in the ratio 1.4 (7 on 5), for interferences of
+/// 1e-4 to 1e-3 of the radius.
+const RESPONSE: f64 = 6.0;
+
+/// [`RESPONSE`] if several secondary facets are opposite each primary one. Measured: 13 to 40 in tubes of `hex8` and `hex20` with 9, 10, 12
+/// and 17 on 4 and 5 cells in a quarter.
+const RESPONSE_OF_COARSE: f64 = 27.0;
+
+/// Ratio of the mean heights of primary and secondary facets above which the primary ones are coarse: facets of 1.64 times the length.
+const COARSE: f64 = 2.7;
+
+/// [`RESPONSE`] for faces of three or six nodes. Measured: 48 in fits of tubes of `tet4` with 28 on 20 cells around and an interference of
+/// 1e-3 of the radius, 33 and 55 in fits of spheres of `tet10` with 24 on 16 cells around and interferences of 1e-5 and 1e-4.
 const RESPONSE_OF_TRIANGLES: f64 = 45.0;
 
 /// Covered share of a secondary node's weight function from which its overlap counts.
@@ -48,42 +68,61 @@ pub struct UnevenFit {
 }
 
 impl UnevenFit {
-    /// True if the expected error of nodal pressures exceeds `DISTORTED`.
+    /// True if the expected error of nodal pressures exceeds `REPORTED`.
     pub fn is_distorted(&self) -> bool {
-        self.pressure_error > DISTORTED
+        self.pressure_error > REPORTED
     }
 }
 
 /// Evenness of the overlap of two surfaces between model nodes at `q`; `None` unless both are curved and overlap on average.
-pub fn uneven_fit(surfaces: &ProxySurfacesInSpace, q: &[f64]) -> Option<UnevenFit> {
-    let mut kernel = surfaces.on_nodes(MortarInSpace::kernel(surfaces), true);
+pub fn uneven_fit(mut surfaces: ProxySurfacesInSpace, q: &[f64]) -> Option<UnevenFit> {
+    let kernel = surfaces.on_nodes(MortarInSpace::kernel(&surfaces), true);
     let size = kernel.facet_size();
     let curvature = curvature(kernel.secondary(), q);
     // Flat surfaces overlap evenly: no pairs of facets are searched for them.
     if curvature * size <= STRAIGHT {
         return None;
     }
-    kernel.update_candidates(&PredictedMotion { q, motion_bound: MotionBound::UpTo(0.0), reach: 1.0, depth: DEEP * size });
-    kernel.begin_step(q);
-    let overlaps: Vec<Option<f64>> = kernel
-        .start_gap()
-        .iter()
-        .zip(kernel.coverage(q))
-        .zip(kernel.weights())
-        .map(|((gap, covered), weight)| (covered >= COVERED).then(|| -gap / (covered * weight)))
-        .collect();
-    let known: Vec<f64> = overlaps.iter().flatten().copied().collect();
-    let interference = known.iter().sum::<f64>() / known.len() as f64;
-    if known.len() < FEW || interference <= STRAIGHT * STRAIGHT * size {
+    let surface = kernel.secondary().clone();
+    let is_coarse = height(kernel.primary(), q) > COARSE * height(&surface, q);
+    let of_curves = overlaps(kernel, q);
+    let interference = mean(&of_curves)?;
+    if of_curves.iter().flatten().count() < FEW || interference <= STRAIGHT * STRAIGHT * size {
         return None;
     }
-    let surface = kernel.secondary();
+    surfaces.profiles[1].fill(Profile::default());
+    let of_facets = overlaps(surfaces.on_nodes(MortarInSpace::kernel(&surfaces), true), q);
+    let heights: Vec<Option<f64>> = of_curves.iter().zip(of_facets).map(|(with, without)| Some((*with)? - without?)).collect();
+    let strain = interference * curvature * if mean(&heights)? > 0.0 { STRAINS[1] } else { -STRAINS[0] };
+    let overlaps: Vec<Option<f64>> = of_curves.iter().zip(heights).map(|(overlap, height)| Some((*overlap)? + strain * height?)).collect();
     let deviations: Vec<f64> =
-        (0..overlaps.len()).filter_map(|node| Some(overlaps[node]? - around(surface, node, &overlaps, q)?)).collect();
+        (0..overlaps.len()).filter_map(|node| Some(overlaps[node]? - around(&surface, node, &overlaps, q)?)).collect();
     let deviation = (deviations.iter().map(|r| r * r).sum::<f64>() / deviations.len().max(1) as f64).sqrt();
-    let response = if surface.facet(0).len() == 3 { RESPONSE_OF_TRIANGLES } else { RESPONSE };
+    let is_of_triangles = (0..surface.count()).all(|facet| surface.facet(facet).len() == 3);
+    let response = if is_of_triangles {
+        RESPONSE_OF_TRIANGLES
+    } else if is_coarse {
+        RESPONSE_OF_COARSE
+    } else {
+        RESPONSE
+    };
     let pressure_error = response * deviation / (interference * curvature * size);
     (deviation > 0.0).then_some(UnevenFit { interference, deviation, pressure_error })
+}
+
+/// Overlap `D_A` of each secondary node at `q` `[length]`; `None` for nodes that are not covered.
+fn overlaps(mut kernel: Box<dyn ContactKernel>, q: &[f64]) -> Vec<Option<f64>> {
+    let depth = DEEP * kernel.facet_size();
+    kernel.update_candidates(&PredictedMotion { q, motion_bound: MotionBound::UpTo(0.0), reach: 1.0, depth });
+    kernel.begin_step(q);
+    let gaps = kernel.start_gap().into_iter().zip(kernel.coverage(q)).zip(kernel.weights());
+    gaps.map(|((gap, covered), weight)| (covered >= COVERED).then(|| -gap / (covered * weight))).collect()
+}
+
+/// Mean of the known values.
+fn mean(values: &[Option<f64>]) -> Option<f64> {
+    let known: Vec<f64> = values.iter().flatten().copied().collect();
+    (!known.is_empty()).then(|| known.iter().sum::<f64>() / known.len() as f64)
 }
 
 /// Overlap at a node that follows linearly from those of its neighbors; `None` for nodes with too few of them.
@@ -120,6 +159,12 @@ fn curvature(surface: &Surface, q: &[f64]) -> f64 {
     (0..surface.count()).map(of).sum::<f64>() / surface.count() as f64
 }
 
+/// Mean height of a curve over the facets of a surface `[length]`.
+fn height(surface: &Surface, q: &[f64]) -> f64 {
+    let profiles = Profiles::of_curve(surface, q, super::press_fit::CURVE);
+    (0..surface.count()).map(|facet| profiles.height(facet).abs()).sum::<f64>() / surface.count() as f64
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -145,30 +190,49 @@ mod tests {
             let boundary = meshes[k].boundary(["outer", "inner"][sides[k]]).expect("it has one");
             boundary.facets.iter().map(|&facet| meshes[k].facet_nodes(facet).map(|node| node + first[k]).collect()).collect()
         });
-        uneven_fit(&ProxySurfacesInSpace::new(faces.each_ref().map(|faces| &faces[..]), &q), &q).expect("they overlap")
+        uneven_fit(ProxySurfacesInSpace::new(faces.each_ref().map(|faces| &faces[..]), &q), &q).expect("they overlap")
     }
 
     /// Closed form: the mean over the facets of a secondary node of the deviation of an arc from the parabola with its ends and mean height
-    /// (integrated numerically) gives 0.052 for the tubes; matching meshes overlap evenly.
+    /// (integrated numerically) gives 0.035 for the tubes; matching meshes overlap evenly.
     #[test]
     fn overlaps_of_unlike_meshes_are_uneven() {
         let of = |around, is_hub, fit| found(CellKind::Hex8, false, around, is_hub, fit);
         let fine = of([28, 20], false, 1e-3);
         assert!((fine.interference / 1e-3 - 1.0).abs() < 0.01, "{fine:?}");
-        assert!(fine.pressure_error > 0.03 && fine.pressure_error < 0.07 && !fine.is_distorted(), "{fine:?}");
+        assert!(fine.pressure_error > 0.022 && fine.pressure_error < 0.047 && fine.is_distorted(), "{fine:?}");
         let small = of([28, 20], false, 1e-4);
-        assert!((small.pressure_error / fine.pressure_error / 10.0 - 1.0).abs() < 0.05 && small.is_distorted(), "{small:?} {fine:?}");
+        assert!((small.pressure_error / fine.pressure_error / 10.0 - 1.0).abs() < 0.25, "{small:?} {fine:?}");
         assert!(!of([20, 28], true, 1e-4).is_distorted() && !of([48, 40], false, 1e-4).is_distorted());
         assert!(of([28, 28], false, 1e-4).pressure_error < 1e-3);
+    }
+
+    /// Measured errors in quarter tubes (root mean square): at most 1 % with 12 on 8 cells, 5 to 10 % with 16 on 11 and 13 on 9 and an
+    /// interference of 1e-4; 10 to 30 % with 9 and 17 on 5 and 10 on 4, also for 1e-2, where heights do not follow the strain.
+    #[test]
+    fn unlike_meshes_are_reported_where_pressures_are_wrong() {
+        let is_reported =
+            |kind, cells: [usize; 2], fit: f64| found(kind, false, cells.map(|n| 4 * n), cells[0] < cells[1], fit).is_distorted();
+        for kind in [CellKind::Hex8, CellKind::Hex20, CellKind::Hex27] {
+            for cells in [[10, 4], [17, 5]] {
+                assert!([1e-2, 1e-3].into_iter().all(|fit| is_reported(kind, cells, fit)), "{kind:?} {cells:?}");
+            }
+            assert!(is_reported(kind, [9, 5], 1e-2), "{kind:?}");
+            for cells in [[12, 10], [16, 11], [13, 9], [12, 8]] {
+                assert!([1e-2, 1e-3].into_iter().all(|fit| !is_reported(kind, cells, fit)), "{kind:?} {cells:?}");
+            }
+        }
+        assert!([[16, 11], [13, 9], [12, 8]].into_iter().all(|cells| is_reported(CellKind::Hex8, cells, 1e-4)));
+        assert!([1e-2, 1e-3].into_iter().all(|fit| is_reported(CellKind::Tet10, [17, 5], fit)));
     }
 
     /// Spheres of six blocks: facets of 16 cells around are too coarse for a thousandth of the radius, also of second order for less.
     #[test]
     fn coarse_spheres_are_uneven() {
         assert!(found(CellKind::Hex8, true, [24, 16], false, 1e-3).is_distorted());
-        for kind in [CellKind::Hex20, CellKind::Tet10] {
-            let [large, small] = [1e-2, 1e-5].map(|fit| found(kind, true, [24, 16], false, fit));
-            assert!(!large.is_distorted() && small.is_distorted(), "{kind:?} {large:?} {small:?}");
-        }
+        // Measured in octants: 1.1 and 1.8 % for 1e-2 and 1e-3.
+        let [large, less, small] = [1e-2, 1e-3, 1e-5].map(|fit| found(CellKind::Hex20, true, [24, 16], false, fit));
+        assert!(!large.is_distorted() && !less.is_distorted() && small.is_distorted(), "{large:?} {less:?} {small:?}");
+        assert!(found(CellKind::Tet10, true, [24, 16], false, 1e-5).is_distorted());
     }
 }
