@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use crate::math::tolerances::{SMALL_TIME, TIME_DIFFERENCE};
+use crate::math::tolerances::{EQUAL, SMALL_TIME, TIME_DIFFERENCE};
 
 /// Error of a time function.
 pub type TimeFunctionError = Box<dyn std::error::Error + Send + Sync>;
@@ -31,8 +31,31 @@ pub trait TimeFunction: Send + Sync {
         Vec::new()
     }
 
+    /// Rate at the start, time 0: after a kink there, since no motion precedes it.
+    ///
+    /// # Errors
+    /// Errors of [`value`](Self::value).
+    fn rate_at_start(&self) -> Result<f64, TimeFunctionError> {
+        self.rate(if self.corners().contains(&0.0) { beside(0.0) } else { 0.0 })
+    }
+
+    /// First time after the start at which the rate jumps, among the known kinks; `None` without one.
+    fn jump(&self) -> Option<f64> {
+        let rate = |time: f64| self.rate(time).unwrap_or(0.0);
+        let jumps = |time: &f64| {
+            let [before, after] = [rate(time - beside(*time)), rate(time + beside(*time))];
+            (after - before).abs() > EQUAL * before.abs().max(after.abs())
+        };
+        self.corners().into_iter().filter(|time| *time > 0.0).find(jumps)
+    }
+
     /// Text of the function, such as `hat(0, 0.5, 0.1)`.
     fn describe(&self) -> String;
+}
+
+/// Distance from a kink at `time` at which it is outside of the interval of the central difference `[time]`.
+fn beside(time: f64) -> f64 {
+    4.0 * TIME_DIFFERENCE * time.abs().max(SMALL_TIME)
 }
 
 /// Time function that several definitions may share.
@@ -170,6 +193,12 @@ impl TimeFunction for Rescaled {
     }
     fn rate(&self, time: f64) -> Result<f64, TimeFunctionError> {
         Ok(self.value / self.time * self.inner.rate(time / self.time)?)
+    }
+    fn rate_at_start(&self) -> Result<f64, TimeFunctionError> {
+        Ok(self.value / self.time * self.inner.rate_at_start()?)
+    }
+    fn jump(&self) -> Option<f64> {
+        Some(self.inner.jump()? * self.time)
     }
     fn corners(&self) -> Vec<f64> {
         self.inner.corners().into_iter().map(|time| time * self.time).collect()

@@ -3,7 +3,6 @@
 use super::amplitude::Amplitude;
 use super::quantity::Quantity;
 use crate::math::norms::length;
-use crate::math::tolerances::{EQUAL, SMALL_TIME, TIME_DIFFERENCE};
 
 /// One end of a joint.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -204,14 +203,7 @@ impl JointDefinition {
 
     /// First time after the start at which the rate of the drive jumps, among the known kinks of its time function; `None` without one.
     pub fn jump(&self) -> Option<f64> {
-        let drive = self.drive.as_ref()?;
-        // Rates on both sides of a kink, outside of the interval of the central difference.
-        let beside = |time: f64, side: f64| drive.rate(time + side * 4.0 * TIME_DIFFERENCE * time.abs().max(SMALL_TIME)).unwrap_or(0.0);
-        let jumps = |time: &f64| {
-            let [before, after] = [beside(*time, -1.0), beside(*time, 1.0)];
-            (after - before).abs() > EQUAL * before.abs().max(after.abs())
-        };
-        drive.corners().into_iter().filter(|time| *time > 0.0).find(jumps)
+        self.drive.as_ref()?.jump()
     }
 
     /// Value of the coordinate in the reference positions.

@@ -64,7 +64,12 @@ impl Prescription {
         self.displacement.iter().flatten().chain(self.turn.as_ref().map(|turn| &turn.angle))
     }
 
-    /// The motion at a time.
+    /// First time after the start at which the rate of the motion jumps, among the known kinks; `None` without one.
+    pub fn jump(&self) -> Option<f64> {
+        self.functions().filter_map(|function| function.jump()).min_by(f64::total_cmp)
+    }
+
+    /// The motion at a time; at time 0 with the rates after it.
     ///
     /// # Errors
     /// A time function failed, or returned no finite number.
@@ -82,7 +87,7 @@ impl Prescription {
 
 /// Value and rate of a time function.
 fn at(function: &Amplitude, time: f64) -> Result<[f64; 2], TimeFunctionError> {
-    let (value, rate) = (function.value(time)?, function.rate(time)?);
+    let (value, rate) = (function.value(time)?, if time == 0.0 { function.rate_at_start()? } else { function.rate(time)? });
     match value.is_finite() && rate.is_finite() {
         true => Ok([value, rate]),
         false => Err(format!("the time function returned {value} with rate {rate}").into()),

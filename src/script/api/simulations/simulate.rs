@@ -15,7 +15,7 @@ use super::modes::warn_of_damping;
 use super::step_control::{STEP_SIZE, StepSize, step_size};
 use super::stills::{still_options, still_parameters};
 use crate::contact::Finding;
-use crate::dynamics::{LedgerRow, Model, Options, RedundantConstraints, Simulation};
+use crate::dynamics::{LedgerRow, Model, Options, Prescription, RedundantConstraints, Simulation};
 use crate::linear::SolverChoice;
 use crate::materials::Weakness;
 use crate::math::tolerances::NEWTON_ENERGY;
@@ -238,9 +238,13 @@ fn check_joints(call: &Call, model: &ModelData, simulation: &Simulation) -> Resu
             "tie surfaces once, and support only one of two tied surfaces; results are the same unless supports move the surfaces apart",
         ));
     }
-    for joint in &model.model.joints {
-        let Some(time) = joint.jump() else { continue };
-        let title = format!("the rate of the drive of joint \"{}\" jumps at t = {}", joint.name, brief(time));
+    let is_rigid = |given: &&Prescription| model.model.bodies[given.on.body].rigid.is_some();
+    let moved = model.model.prescriptions.iter().filter(is_rigid);
+    let moved = moved.map(|given| (given.jump(), format!("prescribed motion of \"{}\"", model.model.boundary_name(&given.on))));
+    let driven = model.model.joints.iter().map(|joint| (joint.jump(), format!("drive of joint \"{}\"", joint.name)));
+    for (time, motion) in driven.chain(moved).filter(|_| !simulation.options().integrator.is_static()) {
+        let Some(time) = time else { continue };
+        let title = format!("the rate of the {motion} jumps at t = {}", brief(time));
         let warning = Diagnostic::warning(title, call.place(&Target::Call));
         let cause = "velocities at the ends of steps swing about the right ones from then on";
         call.host
