@@ -191,12 +191,11 @@ impl Chain {
     /// itself it is the first of both facets, so that the choice does not alternate.
     pub fn facet_at_node(&self, measure: &Measure, z: &[f64], size: f64) -> Option<u32> {
         let own = measure.facet as usize;
-        let distances = self.facets[own].map(|node| (z[0] - z[2 * node as usize]).hypot(z[1] - z[2 * node as usize + 1]));
-        let end = usize::from(distances[1] < distances[0]);
+        let (end, distance) = self.nearest_end(own, z);
         let beside = self.neighbors[own][end];
         let is_at_node = (self.coordinate(own, z) - end as f64).abs() <= AT_NODE;
         let facet = if is_at_node { measure.facet.min(beside) } else { measure.facet };
-        (measure.covered && beside != NONE && distances[end] <= ACROSS_EDGE * size).then_some(facet)
+        (measure.covered && beside != NONE && distance <= ACROSS_EDGE * size).then_some(facet)
     }
 
     /// Sides of the chain at its convex corner within `near` of the point, whose gap is `measure`.
@@ -205,10 +204,9 @@ impl Chain {
             return None;
         }
         let own = measure.facet as usize;
-        let at = |node: u32| Vector2::new(z[2 * node as usize], z[2 * node as usize + 1]);
-        let distances = self.facets[own].map(|node| (at(0) - at(node)).norm());
-        let end = usize::from(distances[1] < distances[0]);
-        let corner = at(self.facets[own][end]);
+        let (end, distance) = self.nearest_end(own, z);
+        let node = 2 * self.facets[own][end] as usize;
+        let corner = Vector2::new(z[node], z[node + 1]);
         let beside = self.neighbors[own][end];
         let sides = std::iter::once(own).chain((beside != NONE).then_some(beside as usize));
         let normals: Vec<Vector2<f64>> = sides
@@ -217,8 +215,15 @@ impl Chain {
                 Vector2::new(y, -x).normalize()
             })
             .collect();
-        let at = AtEdge { points: vec![corner; normals.len()], normals, edge: vec![corner], distance: distances[end] };
+        let at = AtEdge { points: vec![corner; normals.len()], normals, edge: vec![corner], distance };
         (at.distance <= near).then_some(at)
+    }
+
+    /// Nearest end of a facet, 0 or 1, and the distance of the point from it `[length]`.
+    fn nearest_end(&self, facet: usize, z: &[f64]) -> (usize, f64) {
+        let distances = self.facets[facet].map(|node| (z[0] - z[2 * node as usize]).hypot(z[1] - z[2 * node as usize + 1]));
+        let end = usize::from(distances[1] < distances[0]);
+        (end, distances[end])
     }
 
     /// Facet vector, and vector from its first node to the point.

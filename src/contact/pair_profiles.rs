@@ -222,8 +222,8 @@ impl Overlap<'_> {
             // Derivative of the coordinate of the end with respect to the first invariant and to that of the primary node.
             let moved = [-s * inverse, inverse];
             let square = sign * (weights[1] - weights[0]) * depth + weight * self.pi[0] * (rise + height.first[1]);
-            let [first, second, third] = height.gradient(s, tilt.m);
-            let of = [p_1 + first, second, third, 0.0, height.first[2]].map(|part| weight * part);
+            let [first, second, third, fifth] = gradient_at(p_1, &height, s, tilt.m).map(|part| weight * part);
+            let of = [first, second, third, 0.0, fifth];
             h[0][0] += square * moved[0] * moved[0] + 2.0 * of[0] * moved[0] + 2.0 * s * weight * depth * inverse * inverse;
             h[0][node] += square * moved[0] * moved[1] + of[0] * moved[1] + of[node] * moved[0] - weight * depth * inverse * inverse;
             h[0][3 - node] += of[3 - node] * moved[0];

@@ -285,10 +285,9 @@ impl Surface {
     /// Outward unit normals of the facets of a plane surface at the node of that index, for the positions `q`.
     pub fn normals_at(&self, index: usize, q: &[f64]) -> Vec<[f64; 2]> {
         let normal = |&facet: &u32| {
-            let [a, b] = self.facets()[facet as usize].map(|node| 2 * node as usize);
-            let t = [q[b] - q[a], q[b + 1] - q[a + 1]];
-            let length = t[0].hypot(t[1]);
-            [t[1] / length, -t[0] / length]
+            let outward = self.outward(facet as usize, q);
+            let length = outward[0].hypot(outward[1]);
+            [outward[0] / length, outward[1] / length]
         };
         self.adjacent_facets(index).iter().map(normal).collect()
     }
