@@ -31,12 +31,12 @@ pub trait TimeFunction: Send + Sync {
         Vec::new()
     }
 
-    /// Rate at the start, time 0: after a kink there, since no motion precedes it.
+    /// Rate of a motion that follows the function: at the start, time 0, after a kink there, since no motion precedes it.
     ///
     /// # Errors
     /// Errors of [`value`](Self::value).
-    fn rate_at_start(&self) -> Result<f64, TimeFunctionError> {
-        self.rate(if self.corners().contains(&0.0) { beside(0.0) } else { 0.0 })
+    fn rate_of_motion(&self, time: f64) -> Result<f64, TimeFunctionError> {
+        self.rate(if time == 0.0 && self.corners().contains(&0.0) { beside(0.0) } else { time })
     }
 
     /// First time after the start at which the rate jumps, among the known kinks; `None` without one.
@@ -194,8 +194,8 @@ impl TimeFunction for Rescaled {
     fn rate(&self, time: f64) -> Result<f64, TimeFunctionError> {
         Ok(self.value / self.time * self.inner.rate(time / self.time)?)
     }
-    fn rate_at_start(&self) -> Result<f64, TimeFunctionError> {
-        Ok(self.value / self.time * self.inner.rate_at_start()?)
+    fn rate_of_motion(&self, time: f64) -> Result<f64, TimeFunctionError> {
+        Ok(self.value / self.time * self.inner.rate_of_motion(time / self.time)?)
     }
     fn jump(&self) -> Option<f64> {
         Some(self.inner.jump()? * self.time)
@@ -224,5 +224,15 @@ mod tests {
         let table = Table::new(vec![(0.0, 1.0), (2.0, 5.0)]).unwrap();
         assert_eq!([-1.0, 0.0, 1.0, 2.0, 7.0].map(|t| table.value(t).unwrap()), [1.0, 1.0, 3.0, 5.0, 5.0]);
         assert!(Table::new(vec![(1.0, 0.0), (1.0, 1.0)]).is_none());
+    }
+
+    #[test]
+    fn motions_that_begin_with_a_kink_have_the_rate_after_it() {
+        let ramp: Amplitude = Arc::new(Table::new(vec![(0.0, 0.0), (2.0, 6.0)]).unwrap());
+        let rescaled = Rescaled { inner: ramp.clone(), time: 0.5, value: 2.0 };
+        let near = |rate: Result<f64, TimeFunctionError>, exact: f64| (rate.unwrap() - exact).abs() < 1e-9;
+        assert!(near(ramp.rate(0.0), 1.5) && near(ramp.rate_of_motion(0.0), 3.0) && near(ramp.rate_of_motion(1.0), 3.0));
+        assert!(near(rescaled.rate_of_motion(0.0), 12.0) && near(rescaled.rate_of_motion(2.0), 0.0));
+        assert_eq!([ramp.jump(), rescaled.jump()], [Some(2.0), Some(1.0)]);
     }
 }

@@ -87,7 +87,7 @@ impl Prescription {
 
 /// Value and rate of a time function.
 fn at(function: &Amplitude, time: f64) -> Result<[f64; 2], TimeFunctionError> {
-    let (value, rate) = (function.value(time)?, if time == 0.0 { function.rate_at_start()? } else { function.rate(time)? });
+    let (value, rate) = (function.value(time)?, function.rate_of_motion(time)?);
     match value.is_finite() && rate.is_finite() {
         true => Ok([value, rate]),
         false => Err(format!("the time function returned {value} with rate {rate}").into()),

@@ -112,7 +112,7 @@ where
             // The last constraint of the pair is that of the drive, whose rate is prescribed.
             let driven = pair.drive.as_ref().map_or(0.0, |(coordinate, function)| {
                 let arm = if *coordinate == Coordinate::Angle { pair.kernel.facet_size() } else { 1.0 };
-                arm * function.rate(self.state.row.time).unwrap_or(f64::NAN)
+                arm * function.rate_of_motion(self.state.row.time).unwrap_or(f64::NAN)
             });
             let of_row = |row: PatchRow| {
                 let demanded = if row.row + 1 == pair.rows.end { driven } else { 0.0 };

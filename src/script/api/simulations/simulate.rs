@@ -208,7 +208,7 @@ fn warn_of_bodies(call: &Call, model: &Model) {
     }
 }
 
-/// Warns of redundant constraints, and of velocities incompatible with joints.
+/// Warns of redundant constraints, of rates of drives and of prescribed motions that jump, and of velocities incompatible with joints.
 ///
 /// # Errors
 /// A drive of a coordinate that is already constrained.
@@ -238,12 +238,13 @@ fn check_joints(call: &Call, model: &ModelData, simulation: &Simulation) -> Resu
             "tie surfaces once, and support only one of two tied surfaces; results are the same unless supports move the surfaces apart",
         ));
     }
+    let has_velocities = !simulation.options().integrator.is_static();
     let is_rigid = |given: &&Prescription| model.model.bodies[given.on.body].rigid.is_some();
-    let moved = model.model.prescriptions.iter().filter(is_rigid);
-    let moved = moved.map(|given| (given.jump(), format!("prescribed motion of \"{}\"", model.model.boundary_name(&given.on))));
-    let driven = model.model.joints.iter().map(|joint| (joint.jump(), format!("drive of joint \"{}\"", joint.name)));
-    for (time, motion) in driven.chain(moved).filter(|_| !simulation.options().integrator.is_static()) {
-        let Some(time) = time else { continue };
+    let of_supports =
+        |given: &Prescription| Some((given.jump()?, format!("prescribed motion of \"{}\"", model.model.boundary_name(&given.on))));
+    let moved = model.model.prescriptions.iter().filter(is_rigid).filter_map(of_supports);
+    let driven = model.model.joints.iter().filter_map(|joint| Some((joint.jump()?, format!("drive of joint \"{}\"", joint.name))));
+    for (time, motion) in driven.chain(moved).filter(|_| has_velocities) {
         let title = format!("the rate of the {motion} jumps at t = {}", brief(time));
         let warning = Diagnostic::warning(title, call.place(&Target::Call));
         let cause = "velocities at the ends of steps swing about the right ones from then on";
