@@ -31,8 +31,12 @@ impl Factorization {
             self.fall_back(values)?;
             error = self.refined(values, right, size, None);
         }
+        if error.is_nan() {
+            // A pivot of exactly zero.
+            return Err(LinearError::Singular { vertex: None });
+        }
         let residual = self.scaled_size(&self.residual) / size;
-        if error.is_nan() || error > tolerances::LINEAR_RESIDUAL || residual > tolerances::LINEAR_UNSOLVED {
+        if error > tolerances::LINEAR_RESIDUAL || residual > tolerances::LINEAR_UNSOLVED {
             return Err(LinearError::Inaccurate { residual });
         }
         right.copy_from_slice(&self.solution);

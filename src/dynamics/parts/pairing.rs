@@ -205,13 +205,20 @@ impl Pairing<'_> {
             // A rigid side has fewer motions than nodes: constraints of its nodes are linearly dependent.
             pair.augmentation = pair.augmentation.or(Some(tolerances::CORNER_AUGMENTATION));
         }
-        if interaction.equality && pair.has_multipliers() {
-            // Bilateral contacts may hold nodes that joints and couplings hold already, as long as the contact is covered.
+        if (interaction.equality || self.is_coupled(interaction)) && pair.has_multipliers() {
+            // Bilateral contacts may hold nodes that joints and couplings hold already, as long as the contact is covered. Contacts at both
+            // sides of a periodic pair, or at a boundary that moves with a reference body, are dependent where their normals are equal.
             pair.augmentation = pair.augmentation.or(Some(tolerances::SURFACE_AUGMENTATION));
         }
         pair.restitution = self.restitution(interaction, &pair);
         pair.add_friction(interaction);
         pair
+    }
+
+    /// True if couplings join nodes of a body of the contact.
+    fn is_coupled(&self, interaction: &Interaction) -> bool {
+        let mut sides = std::iter::once(&interaction.secondary).chain(interaction.primary());
+        sides.any(|side| self.model.couplings.iter().any(|coupling| coupling.kind.boundaries().iter().any(|on| on.body == side.body)))
     }
 
     /// Coefficient of restitution of a contact between rigid sides; `None` for deformable sides and for bilateral or penalty contacts.

@@ -94,6 +94,11 @@ impl Motion {
         Motion { units, ..Motion::translation([0.0; 3]) }
     }
 
+    /// Returns true if the axis of a model of revolution, `x = 0` in the plane of its section, is mapped to itself.
+    pub fn keeps_axis_of_revolution(&self) -> bool {
+        self.quarters == Some(0) && self.offset[0] == 0.0
+    }
+
     /// Vector rotated and multiplied by a factor.
     pub fn vector(&self, [x, y, z]: [f64; 3], factor: f64) -> [f64; 3] {
         [factor * (self.cosine * x - self.sine * y), factor * (self.sine * x + self.cosine * y), factor * z]

@@ -1,6 +1,8 @@
 //! First steps of bars, plates and blocks at rest under a load: every law, cell and conserving rule, loads of any size.
 
-use super::{Case, figures, pick, random_of, scaled};
+use conserva::integrators::{self, ConservedQuantities};
+
+use super::{Case, pick, promised_figures, random_of, scaled};
 
 const LAWS: [&str; 10] = [
     "linear_elasticity(#{ youngs_modulus: E, poisson_ratio: 0.3, density: 1.0 })",
@@ -43,11 +45,15 @@ pub fn case(seed: u64) -> Case {
     } else {
         (format!("rectangle(#{{ size: [{x}.0, {y}.0], cells: [{x}, {y}], element: \"{element}\" }})"), "[0.3, 0.9]")
     };
+    // Stress of linear elasticity is not symmetric in the deformed configuration: its moment is of the size of the strain.
+    let promises = &integrators::ENERGY_MOMENTUM.promises;
+    let is_objective = !law.starts_with("linear_elasticity");
+    let promises = ConservedQuantities { angular_momentum: promises.angular_momentum && is_objective, ..*promises };
     let script = format!(
         "let E = {modulus:.4e};\nlet m = model(\"first\");\nlet b = m.add_body(\"b\", {mesh}, {law});\n\
          m.traction(b.boundary(\"left\"), {vector}, |t| {load:.4e});\n\
          let sim = simulate(m, #{{ integrator: {integrator}, dt: {dt:.4e} }});\nsim.step(2);\n{}",
-        figures((x * y * z) as f64)
+        promised_figures((x * y * z) as f64, &promises)
     );
     let name = format!("{cells:?} {element}, load {load:.2e}, modulus {modulus:.2e}, dt {dt:.2e}, {integrator}, {law}");
     Case { kind: format!("{shape} {element}"), name, script, expected: Vec::new() }
