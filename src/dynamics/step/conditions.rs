@@ -86,9 +86,14 @@ impl<const D: usize> Equations<D> {
     }
 
     /// Inverse augmentation of every constraint in a step, by the stiffness of the constraints.
+    ///
+    /// Nodes of a rigid body have more constraints than motions, and nodes at both sides of a periodic pair, or of a boundary that moves
+    /// with a reference body, one motion: their pressures are undetermined. From iteration to iteration, compliances `C_A` select those with
+    /// the least `sum_A C_A lambda_A^2`. With `C_A` by area, a flat face has even pressures; by stiffness they would follow nodal masses.
     pub fn compliance(&self, stiffness: &[f64]) -> Vec<f64> {
         // A tangential constraint in the plane may coincide with the constraint of a symmetry plane or of a periodic pair.
-        let eases_all = D == 3 || self.pairs.iter().any(|pair| matches!(pair.kind, PairKind::Coupling(_)));
+        let has_couplings = self.pairs.iter().any(|pair| matches!(pair.kind, PairKind::Coupling(_)));
+        let eases_all = D == 3 || has_couplings;
         // In a closed loop of joints that all stick, the distribution of the load is undetermined.
         let eases_slips = |pair: &ContactPair| pair.friction.is_some() && (eases_all || pair.kind == PairKind::JointFriction);
         if self.pairs.iter().all(|pair| pair.augmentation.is_none() && !eases_slips(pair)) {
@@ -106,11 +111,13 @@ impl<const D: usize> Equations<D> {
                 compliance[row] = 1.0 / (tolerances::CORNER_AUGMENTATION * stiffness[normal_row]);
             }
         }
-        for pair in self.pairs.iter().filter(|pair| self.is_on_rigid_body(pair)) {
-            let Some(factor) = pair.augmentation else { continue };
+        for pair in self.pairs.iter().filter(|pair| pair.has_multipliers() && !pair.kind.is_bilateral()) {
+            let is_rigid = self.is_on_rigid_body(pair);
+            let Some(factor) = pair.augmentation.filter(|_| is_rigid || has_couplings) else { continue };
             let weights = pair.kernel.weights();
             let of_area: f64 = pair.rows.clone().zip(weights).map(|(row, weight)| stiffness[row] * weight).sum();
-            let factor = if self.touches_deformable(pair) { factor } else { factor.min(tolerances::RIGID_AUGMENTATION) };
+            let is_limited = is_rigid && !self.touches_deformable(pair);
+            let factor = if is_limited { factor.min(tolerances::RIGID_AUGMENTATION) } else { factor };
             let by_weight = pair.rows.len() as f64 / (factor * of_area);
             pair.rows.clone().zip(weights).for_each(|(row, weight)| compliance[row] = by_weight * weight);
             pair.tangential().for_each(|(row, normal_row)| compliance[row] = compliance[normal_row]);
@@ -118,14 +125,10 @@ impl<const D: usize> Equations<D> {
         compliance
     }
 
-    /// True if constraints of a contact in space belong to nodes of a rigid body: more than its motions, with undetermined pressures. In
-    /// the plane each keeps its own compliance: with one by area, `scripts/scenarios/geneva_drive.rhai` fails at t = 0.61.
-    ///
-    /// From iteration to iteration, compliances `C_A` select those with the least `sum_A C_A lambda_A^2`. With `C_A` by area, a flat face
-    /// has even pressures; by stiffness they would follow nodal masses.
+    /// True if constraints of a contact in space belong to nodes of a rigid body. In the plane each keeps its own compliance: with one by
+    /// area, `scripts/scenarios/geneva_drive.rhai` fails at t = 0.61.
     fn is_on_rigid_body(&self, pair: &ContactPair) -> bool {
-        let is_contact = pair.has_multipliers() && !pair.kind.is_bilateral();
-        let node = if D == 3 && is_contact { pair.node_of(pair.rows.start) } else { None };
+        let node = if D == 3 { pair.node_of(pair.rows.start) } else { None };
         node.is_some_and(|node| self.bodies[self.body_of(node as usize)].rigid.is_some())
     }
 
