@@ -26,11 +26,19 @@ pub struct Chain {
     neighbors: Vec<[u32; 2]>,
     /// Height profiles of the facets; empty for straight facets.
     profiles: Vec<Profile>,
+    /// Distance beyond an end of the chain, in lengths of the end facet, up to which a point is opposite it in this step.
+    pub extension: f64,
 }
 
 /// Distance from a node along the facet, relative to its length, up to which a point is at the node. A tip in equilibrium at a node stays
 /// there to the tolerance of the solution; with 0.04 a motion and its mirror image differed.
 const AT_NODE: f64 = 0.003;
+
+/// Sine of the angle between two facets, 30 degrees, up to which they belong to a smooth part of the chain.
+const SMOOTH: f64 = 0.5;
+
+/// Distance from a facet, relative to its length, up to which a point touches it.
+const TOUCHES: f64 = 0.2;
 
 const NONE: u32 = u32::MAX;
 
@@ -45,6 +53,24 @@ pub struct Measure {
     pub covered: bool,
     /// Node index in the contact element if the gap is a distance from a node, with the sign of the gap: 1 in front of it, -1 behind.
     pub vertex: Option<(u32, f64)>,
+    /// Facet whose line defines the gap as well: the mean of both distances.
+    pub beside: Option<u32>,
+}
+
+/// Straight lines that define the gap of a point in a step, instead of the chain.
+#[derive(Clone, Copy, Debug)]
+pub enum Line {
+    /// Line of a facet.
+    Facet(u32),
+    /// Mean of the lines of two adjacent facets.
+    Mean([u32; 2]),
+}
+
+impl Measure {
+    /// Both lines of a mean distance.
+    fn lines(&self) -> Option<[Measure; 2]> {
+        self.beside.map(|beside| [self.facet, beside].map(|facet| Measure { facet, beside: None, ..*self }))
+    }
 }
 
 impl Chain {
@@ -55,7 +81,7 @@ impl Chain {
             found.map_or(NONE, |index| index as u32)
         };
         let neighbors = facets.iter().map(|&[from, to]| [find(1, from), find(0, to)]).collect();
-        Chain { facets, neighbors, profiles: Vec::new() }
+        Chain { facets, neighbors, ..Chain::default() }
     }
 
     /// Adds height profiles of the facets.
@@ -124,6 +150,20 @@ impl Chain {
         if square > 0.0 { (t[0] * d[0] + t[1] * d[1]) / square } else { 0.0 }
     }
 
+    /// Distance of a point beyond the end of the chain, in lengths of the end facet; `None` if the closest point is not the end.
+    pub fn beyond_end(&self, z: &[f64], admitted: &[bool]) -> Option<f64> {
+        let facets = (0..self.facets.len()).filter(|&index| admitted[index]);
+        let (index, s) = self.closest(facets.map(|index| (index, [0.0, 1.0])), z)?;
+        let is_end = (s <= 0.0 || s >= 1.0) && self.neighbors[index][usize::from(s >= 1.0)] == NONE;
+        is_end.then(|| self.excess(index, s, z))
+    }
+
+    /// Distance between the projection of the point on the line of a facet and the closest point with the coordinate `s`, in lengths of the
+    /// facet.
+    fn excess(&self, index: usize, s: f64, z: &[f64]) -> f64 {
+        (self.coordinate(index, z) - s).abs()
+    }
+
     /// Gap if the closest point has the coordinate `s` on the facet.
     fn measure_at(&self, index: usize, s: f64, z: &[f64]) -> Option<Measure> {
         let own = self.line(index as u32, z);
@@ -133,7 +173,7 @@ impl Chain {
         let side = usize::from(s >= 1.0);
         let neighbor = self.neighbors[index][side];
         if neighbor == NONE {
-            let covered = (self.coordinate(index, z) - s).abs() <= CHAIN_END;
+            let covered = self.excess(index, s, z) <= CHAIN_END + self.extension;
             return (covered || own.gap > 0.0).then_some(Measure { covered, ..own });
         }
         let other = self.line(neighbor, z);
@@ -152,7 +192,18 @@ impl Chain {
 
     /// Normal distance of the point from the line of a facet.
     pub fn line(&self, facet: u32, z: &[f64]) -> Measure {
-        Measure { facet, gap: self.gap(facet as usize, z), covered: true, vertex: None }
+        Measure { facet, gap: self.gap(facet as usize, z), covered: true, vertex: None, beside: None }
+    }
+
+    /// Normal distance of the point from one or two lines.
+    pub fn distance_from(&self, line: Line, z: &[f64]) -> Measure {
+        match line {
+            Line::Facet(facet) => self.line(facet, z),
+            Line::Mean([one, other]) => {
+                let (own, beside) = (self.line(one, z), self.line(other, z));
+                Measure { gap: 0.5 * (own.gap + beside.gap), beside: Some(other), ..own }
+            }
+        }
     }
 
     /// Distance from the only facet of the chain of a disk with its center at the point `[length]`: normal distance minus the radius;
@@ -196,6 +247,26 @@ impl Chain {
         let is_at_node = (self.coordinate(own, z) - end as f64).abs() <= AT_NODE;
         let facet = if is_at_node { measure.facet.min(beside) } else { measure.facet };
         (measure.covered && beside != NONE && distance <= ACROSS_EDGE * size).then_some(facet)
+    }
+
+    /// Both facets at a node of a smooth part of the chain that the point touches. Where the point would change from facet to facet with
+    /// round-off, the force would turn by the angle between them.
+    pub fn touched_node(&self, measure: &Measure, z: &[f64]) -> Option<Line> {
+        let own = measure.facet as usize;
+        let end = self.nearest_end(own, z).0;
+        let beside = self.neighbors[own][end];
+        if !measure.covered || beside == NONE {
+            return None;
+        }
+        let vertex = 2 * self.facets[own][end] as usize;
+        let from_node = Vector2::new(z[0] - z[vertex], z[1] - z[vertex + 1]);
+        let (t, u) = (Vector2::from(self.offsets(own, z).0), Vector2::from(self.offsets(beside as usize, z).0));
+        let length = t.norm().min(u.norm());
+        // In front of the node and behind it, the middle between both facets belongs to the node.
+        let along = 0.5 * (t.normalize() + u.normalize()).dot(&from_node);
+        let is_smooth = t.perp(&u).abs() <= SMOOTH * t.norm() * u.norm();
+        let touches = along.abs() <= AT_NODE * length && measure.gap.abs() <= TOUCHES * length;
+        (is_smooth && touches).then(|| Line::Mean([measure.facet.min(beside), measure.facet.max(beside)]))
     }
 
     /// Sides of the chain at its convex corner within `near` of the point, whose gap is `measure`.
@@ -250,6 +321,9 @@ impl Chain {
 
     /// Adds `weight` times the gradient of the gap to `out`.
     pub fn add_gradient(&self, measure: &Measure, z: &[f64], weight: f64, out: &mut [f64]) {
+        if let Some(lines) = measure.lines() {
+            return lines.iter().for_each(|line| self.add_gradient(line, z, 0.5 * weight, out));
+        }
         if let Some((vertex, sign)) = measure.vertex {
             let (normal, _) = direction(vertex, z);
             for (node, share) in [(0, sign * weight), (vertex as usize, -sign * weight)] {
@@ -275,6 +349,9 @@ impl Chain {
 
     /// Adds `weight` times the Hessian of the gap to `out`, row by row over the contact element.
     pub fn add_hessian(&self, measure: &Measure, z: &[f64], weight: f64, out: &mut [f64]) {
+        if let Some(lines) = measure.lines() {
+            return lines.iter().for_each(|line| self.add_hessian(line, z, 0.5 * weight, out));
+        }
         let unknowns = z.len();
         if let Some((vertex, sign)) = measure.vertex {
             let ([x, y], length) = direction(vertex, z);
@@ -512,5 +589,32 @@ mod tests {
         assert_eq!(chain.measure(&corner(0.0, [1.1, -0.2]).1, &[true; 2]), None);
         assert!(chain.measure(&corner(0.0, [0.9, -0.2]).1, &[true; 2]).unwrap().covered);
         assert_eq!(chain.measure(&z, &[false; 2]), None);
+    }
+
+    /// A point that is pressed into a smooth bend has the mean of both lines, with exact derivatives; beside it, in front of it, and at a
+    /// sharp corner it has the chain.
+    #[test]
+    fn a_point_at_a_node_has_the_mean_of_both_lines() {
+        let line = |angle: f64, x: [f64; 2]| {
+            let (chain, z) = corner(angle, x);
+            let measure = chain.measure(&z, &[true; 2]).unwrap();
+            chain.touched_node(&measure, &z).map(|line| (chain.distance_from(line, &z), chain, z))
+        };
+        // Below the node, along the bisector of the facets.
+        let half = 0.1f64;
+        let below = |by: f64, along: f64| [-by * half.sin() + along * half.cos(), -by * half.cos() - along * half.sin()];
+        for by in [0.1, 0.01, -0.01] {
+            assert!(line(2.0 * half, below(by, 0.0)).is_some() && line(2.0 * half, below(by, 0.01)).is_none(), "{by}");
+        }
+        assert!(line(2.0 * half, below(-0.3, 0.0)).is_none() && line(0.6, [0.0, 0.0]).is_none());
+        let (measure, chain, z) = line(2.0 * half, below(0.05, 0.002)).unwrap();
+        assert!((measure.gap + 0.05 * half.cos()).abs() < 1e-15);
+        let mut gradient = [0.0; 8];
+        chain.add_gradient(&measure, &z, 1.0, &mut gradient);
+        let line = Line::Mean([0, 1]);
+        for k in 0..8 {
+            let at = |by: f64| chain.distance_from(line, &std::array::from_fn::<f64, 8, _>(|i| if i == k { z[i] + by } else { z[i] })).gap;
+            assert!((gradient[k] - (at(1e-6) - at(-1e-6)) / 2e-6).abs() < 1e-9, "unknown {k}");
+        }
     }
 }

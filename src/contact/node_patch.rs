@@ -1,12 +1,16 @@
 //! Contact elements of points opposite chains of facets (`chain.rs`) in one step: participating nodes, gaps, gradients and tangents. Used
 //! by node-to-segment contact, corners and disks.
 
-use super::chain::{Chain, Measure};
+use super::chain::{Chain, Line, Measure};
 use super::numbers::Number;
 use super::patches::Evaluation;
 use super::slip::{self, SlipRows};
 use super::surface::Sides;
 use crate::integrators::{Configuration, Derivative, PatchFunction, Projection};
+
+/// Distance beyond an end of the chain, in lengths of the end facet, up to which it is decided at the start of a step whether a point is
+/// opposite the chain.
+const NEAR_END: f64 = 0.05;
 
 /// Values of a contact element (point and facets) that are fixed at the start of the step.
 #[derive(Clone, Debug, Default)]
@@ -25,8 +29,8 @@ pub struct PointStart {
     /// Both facets of the concave corner (pocket) that contains the point, each with its end at the corner; each has a separate constraint
     /// in this step.
     pub pocket: Option<[[u32; 2]; 2]>,
-    /// Facet whose straight line defines the gap in this step, for a corner that crosses a corner of the other side.
-    pub line: Option<u32>,
+    /// Lines that define the gap in this step, for a corner that crosses a corner of the other side, or a point at a node.
+    pub line: Option<Line>,
     /// True if the point has no constraint in this step although facets are opposite: another one keeps both sides apart.
     pub is_excluded: bool,
     /// Disk with its center at the point; `None` for a point of a surface.
@@ -81,7 +85,7 @@ impl PointStart {
     /// Gaps of the constraints at `z`, reduced by the height of the point's own surface.
     pub fn measures(&self, z: &[f64]) -> [Option<Measure>; 2] {
         let measures = match (self.line, self.pocket, self.round) {
-            (Some(facet), ..) => [Some(self.chain.line(facet, z)), None],
+            (Some(line), ..) => [Some(self.chain.distance_from(line, z)), None],
             (None, Some(branches), _) => branches.map(|branch| self.chain.measure_branch(branch, z, &self.closest)),
             (None, None, Some(Round { radius, is_concave })) => [self.chain.distance_of_disk(z, is_concave, radius), None],
             (None, None, None) => [self.chain.measure(z, &self.closest), None],
@@ -89,14 +93,14 @@ impl PointStart {
         measures.map(|measure| measure.map(|measure| Measure { gap: measure.gap - self.own_height, ..measure }))
     }
 
-    /// Stores the values at the start of the step; `nodes` are those of the contact element. `crossed` returns the facet that alone defines
-    /// the gap if the point is a corner that crosses another corner (`Some(None)`: no gap). `pocket` returns the concave corner that
+    /// Stores the values at the start of the step; `nodes` are those of the contact element. `crossed` returns the lines that define the
+    /// gap if the point is a corner that crosses another corner, or at a node (`Some(None)`: no gap). `pocket` returns the concave corner that
     /// contains the point. If `is_overlapped` holds (too deep), the pocket is removed; if it still holds, the gap is removed, too.
     pub fn begin(
         &mut self,
         nodes: &[u32],
         q_0: &[f64],
-        crossed: impl Fn(&PointStart) -> Option<Option<u32>>,
+        crossed: impl Fn(&PointStart) -> Option<Option<Line>>,
         pocket: impl Fn(&PointStart) -> Option<[[u32; 2]; 2]>,
         is_overlapped: impl Fn(&PointStart) -> bool,
     ) {
@@ -115,6 +119,7 @@ impl PointStart {
         }
         self.pocket = pocket(self);
         self.measures = self.measures(&self.positions);
+        self.settle_end();
         if is_overlapped(self) {
             self.pocket = None;
             self.measures = self.measures(&self.positions);
@@ -122,6 +127,19 @@ impl PointStart {
         if is_overlapped(self) {
             self.closest.fill(false);
             self.measures = [None; 2];
+        }
+    }
+
+    /// Decides for the step whether a point near an end of the chain is opposite it. The ends of flush bodies move past each other, and the
+    /// end facet tilts, from iterate to iterate: a gap that appears or disappears with them has no solution. In an overlap, which other
+    /// nodes may have kept from an impact, it would have to close at once.
+    fn settle_end(&mut self) {
+        match self.chain.beyond_end(&self.positions, &self.closest) {
+            Some(beyond) if self.measures[0].is_none() => self.is_excluded |= beyond <= NEAR_END,
+            _ => self.chain.extension = if self.measures.iter().flatten().any(|measure| measure.covered) { NEAR_END } else { 0.0 },
+        }
+        if self.is_excluded {
+            self.closest.fill(false);
         }
     }
 

@@ -14,7 +14,7 @@
 use nalgebra::Vector2;
 
 use super::bends::Bends;
-use super::chain::{Chain, Measure};
+use super::chain::{Chain, Line, Measure};
 use super::depth::NodePosition;
 use super::edge_plane::{self, ACROSS_EDGE};
 use super::kernel::{CandidateSearch, PatchFunctions, RigidObstacle};
@@ -280,17 +280,21 @@ impl NodeToSegment {
         pocket.filter(|branches| is_near && branches.iter().all(|[facet, _]| start.closest[*facet as usize]))
     }
 
-    /// Facet whose line defines the gap of a corner that crosses a corner of the other side; `Some(None)`: no gap; `None`: no crossing.
-    fn crossed(&self, p: usize, start: &PointStart, q: &[f64]) -> Option<Option<u32>> {
+    /// Lines that define the gap of a corner that crosses a corner of the other side, or of a node at a node; `Some(None)`: no gap; `None`:
+    /// the chain defines it.
+    fn crossed(&self, p: usize, start: &PointStart, q: &[f64]) -> Option<Option<Line>> {
         let measure = start.chain.measure(&start.positions, &start.closest)?;
         if self.corners.is_none() {
-            return (self.is_beside_corners && self.is_passed(self.point(p), &measure, start, q)).then_some(None);
+            if self.is_beside_corners && self.is_passed(self.point(p), &measure, start, q) {
+                return Some(None);
+            }
+            return start.chain.touched_node(&measure, &start.positions).map(Some);
         }
         // If corners of the other side have no constraints, the usual gap applies, to one facet if the corner passes a node in this step.
         let Some(Corners::Bends { is_mutual, .. }) = self.corners else { return None };
         if !is_mutual {
             let facet = start.chain.facet_at_node(&measure, &start.positions, self.sides.facet_size);
-            return facet.filter(|_| self.pocket(start).is_none()).map(Some);
+            return facet.filter(|_| self.pocket(start).is_none()).map(|facet| Some(Line::Facet(facet)));
         }
         let tip = self.tip(self.point(p), q)?;
         let distance = |tip: &Tip| (tip.at[0] - start.positions[0]).hypot(tip.at[1] - start.positions[1]);
@@ -300,7 +304,7 @@ impl NodeToSegment {
         });
         let (facets, other) = tips.min_by(|a, b| distance(&a.1).total_cmp(&distance(&b.1)))?;
         match tip.parting(&other)? {
-            SeparatingSide::AtOther(side) => (facets[side] != measure.facet).then_some(Some(facets[side])),
+            SeparatingSide::AtOther(side) => (facets[side] != measure.facet).then_some(Some(Line::Facet(facets[side]))),
             SeparatingSide::AtOwn { misleading } => {
                 let side = usize::from(facets[1] == measure.facet);
                 (misleading[side] && measure.gap < 0.0).then_some(None)
