@@ -1,5 +1,7 @@
 //! Contact conditions of a step, by the update rules of the pairs.
 
+use std::collections::BTreeMap;
+
 use super::equations::Equations;
 use super::start::StepStart;
 use crate::dynamics::model::step_error::StepError;
@@ -185,12 +187,40 @@ impl<const D: usize> Equations<D> {
         self.pairs.iter().flat_map(of).collect()
     }
 
+    /// Weighted gaps of active constraints in a step that starts with the weighted gaps `gap_n`. Under a rule that keeps an overlap, corners
+    /// admit that of the surface constraints at the nodes of their contact elements, on which they would otherwise depend: after the impact
+    /// of a flat face, all its edges and vertices.
+    fn held_gaps(&self, gap_n: &[f64]) -> Vec<f64> {
+        let mut held = self.closed_gaps();
+        for pair in self.pairs.iter().filter(|pair| pair.update.holds == ActiveConstraints::AsItIs) {
+            let Some(contact) = pair.corners.map(|corners| &self.pairs[corners.pair]) else { continue };
+            let overlaps: BTreeMap<u32, f64> = contact
+                .rows
+                .clone()
+                .zip(contact.kernel.weights())
+                .filter(|(row, _)| gap_n[*row] < 0.0)
+                .filter_map(|(row, weight)| Some((contact.node_of(row)?, gap_n[row] / weight)))
+                .collect();
+            if overlaps.is_empty() {
+                continue;
+            }
+            let (patches, weights) = (pair.kernel.patches(), pair.kernel.weights());
+            for p in 0..patches.len() {
+                let deepest = patches.nodes(p).iter().filter_map(|node| overlaps.get(node)).fold(0.0f64, |deepest, &gap| deepest.min(gap));
+                for &row in patches.rows(p) {
+                    held[pair.rows.start + row as usize] += deepest * weights[row as usize];
+                }
+            }
+        }
+        held
+    }
+
     /// Contact conditions of the step that has begun, by the update rules; `penalty_gap`: weighted gaps in the penalty potentials at the
     /// end of the previous step, `active`: constraint states in that step.
     pub fn conditions(&self, start: &StepStart, penalty_gap: &[f64], active: &[RowState]) -> Conditions {
         let mut gap_n: Vec<f64> = self.pairs.iter().flat_map(|pair| pair.kernel.start_gap()).collect();
         gap_n.resize(self.multipliers, 0.0);
-        let held = self.closed_gaps();
+        let held = self.held_gaps(&gap_n);
         let mut targets = vec![0.0; gap_n.len()];
         let mut members: Vec<bool> = self.redundant.iter().map(|is_redundant| !is_redundant).collect();
         let mut shift = vec![0.0; gap_n.len()];
