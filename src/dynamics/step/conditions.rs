@@ -188,27 +188,20 @@ impl<const D: usize> Equations<D> {
     }
 
     /// Weighted gaps of active constraints in a step that starts with the weighted gaps `gap_n`. Under a rule that keeps an overlap, corners
-    /// admit that of the surface constraints at the nodes of their contact elements, on which they would otherwise depend: after the impact
-    /// of a flat face, all its edges and vertices.
+    /// admit the one that all surface constraints around them have, on which they would otherwise depend: after the impact of a flat face,
+    /// all its edges and vertices.
     fn held_gaps(&self, gap_n: &[f64]) -> Vec<f64> {
         let mut held = self.closed_gaps();
         for pair in self.pairs.iter().filter(|pair| pair.update.holds == ActiveConstraints::AsItIs) {
             let Some(contact) = pair.corners.map(|corners| &self.pairs[corners.pair]) else { continue };
-            let overlaps: BTreeMap<u32, f64> = contact
-                .rows
-                .clone()
-                .zip(contact.kernel.weights())
-                .filter(|(row, _)| gap_n[*row] < 0.0)
-                .filter_map(|(row, weight)| Some((contact.node_of(row)?, gap_n[row] / weight)))
-                .collect();
-            if overlaps.is_empty() {
-                continue;
-            }
+            let rows = contact.rows.clone().zip(contact.kernel.weights());
+            let gaps: BTreeMap<u32, f64> = rows.filter_map(|(row, weight)| Some((contact.node_of(row)?, gap_n[row] / weight))).collect();
             let (patches, weights) = (pair.kernel.patches(), pair.kernel.weights());
             for p in 0..patches.len() {
-                let deepest = patches.nodes(p).iter().filter_map(|node| overlaps.get(node)).fold(0.0f64, |deepest, &gap| deepest.min(gap));
+                let around = patches.nodes(p).iter().filter_map(|node| gaps.get(node).copied());
+                let admitted = around.reduce(f64::max).map_or(0.0, |gap| gap.min(0.0));
                 for &row in patches.rows(p) {
-                    held[pair.rows.start + row as usize] += deepest * weights[row as usize];
+                    held[pair.rows.start + row as usize] += admitted * weights[row as usize];
                 }
             }
         }
