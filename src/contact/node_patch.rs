@@ -94,8 +94,8 @@ impl PointStart {
     }
 
     /// Stores the values at the start of the step; `nodes` are those of the contact element. `crossed` returns the lines that define the
-    /// gap if the point is a corner that crosses another corner, or at a node (`Some(None)`: no gap). `pocket` returns the concave corner that
-    /// contains the point. If `is_overlapped` holds (too deep), the pocket is removed; if it still holds, the gap is removed, too.
+    /// gap if the point is a corner that crosses another corner, or at a node (`Some(None)`: no gap). `pocket` returns the concave corner
+    /// that contains the point. If `is_overlapped` holds (too deep), the pocket is removed; if it still holds, the gap is removed, too.
     pub fn begin(
         &mut self,
         nodes: &[u32],

@@ -74,13 +74,6 @@ where
         let is_solved = loop {
             let RowValues { gaps, lambda } = self.rows_of(at, set, proximal, &mut frozen)?;
             let (mut next, worst) = self.next_set(at, set, &gaps, &lambda);
-            if std::env::var("DBG").is_ok() {
-                let n = self.system.normal_count;
-                eprintln!("set prox {} dep {} t {}", proximal.is_some(), self.is_dependent, self.task.start.time);
-                for row in 0..n { if set[row].is_closed() || next[row].is_closed() || gaps[row] != 0.0 {
-                    eprintln!("  {row} {:?}: {:?}->{:?} gap {:.3e} lam {:.5e} (at {:.3e}) target {:.2e} C {:.2e} k {:.2e}", self.system.pair_of(row).map(|p| (p.name.clone(), format!("{:?}", p.corners.is_some()), p.node_of(row))), set[row], next[row], gaps[row], lambda[row], at.lambda[row], self.task.conditions.targets[row], self.task.conditions.compliance[row], self.task.conditions.stiffness[row]);
-                } }
-            }
             if next == *set || seen.len() == most {
                 break next == *set;
             }
@@ -162,8 +155,8 @@ where
 
     /// Active set that the solution of Newton's system requires, and the constraint with the largest violation.
     ///
-    /// Corners wait until no more constraints of their contact become active, which may resolve their overlap: as long as a body is not held,
-    /// all overlap alike, and dependent constraints with different gaps have multipliers of which the next iterates keep a part.
+    /// Corners wait until no more constraints of their contact become active, which may resolve their overlap: as long as a body is not
+    /// held, all overlap alike, and dependent constraints with different gaps have multipliers of which the next iterates keep a part.
     fn next_set(&self, at: &Linearization, set: &[RowState], gaps: &[f64], lambda: &[f64]) -> (Vec<RowState>, Option<usize>) {
         let mut next = set.to_vec();
         let (mut largest, mut worst) = (0.0, None);

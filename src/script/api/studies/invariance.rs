@@ -70,7 +70,7 @@ fn run_invariance(call: &Call) -> Result<(), Box<EvalAltResult>> {
         && let Some(motion) = motions.iter().find(|motion| !motion.keeps_axis_of_revolution())
     {
         let title = format!("a model of revolution cannot be {}", motion.describe());
-        let failure = call.argument("options").refuse(causes::DIMENSION, title).label("moves the section relative to the axis, which stays where it is");
+        let failure = call.argument("options").refuse(causes::DIMENSION, title).label("moves the section relative to the axis");
         return Err(failure.hint("give `translate: [0, z]`, along the axis, or `units`").into());
     }
     let mut worst = Vec::new();
