@@ -16,7 +16,7 @@ use nalgebra::Vector2;
 use super::bends::Bends;
 use super::chain::{Chain, Measure};
 use super::depth::NodePosition;
-use super::edge_plane::{self, ACROSS_EDGE};
+use super::edge_plane::{ACROSS_EDGE, NodeAtEdge};
 use super::kernel::{CandidateSearch, PatchFunctions, RigidObstacle};
 use super::method::ContactMethod;
 use super::node_patch::{self, PointStart};
@@ -313,10 +313,9 @@ impl NodeToSegment {
     fn is_passed(&self, point: usize, measure: &Measure, start: &PointStart, q: &[f64]) -> bool {
         let (size, Some(tip)) = (self.sides.facet_size, self.tip(point, q)) else { return false };
         let Some(at) = start.chain.at_corner(measure, &start.positions, ACROSS_EDGE * size) else { return false };
-        let around = [tip.before, tip.after].map(|node| Vector2::from(node) - Vector2::from(tip.at)).into_iter();
-        let facing: Vec<Vector2<f64>> =
-            self.sides.secondary.normals_at(point, q).into_iter().map(|normal| -Vector2::from(normal)).collect();
-        edge_plane::is_passed(&at, around, &facing, tip.at.into(), size)
+        let around = [tip.before, tip.after].map(|node| Vector2::from(node) - Vector2::from(tip.at)).to_vec();
+        let facing = self.sides.secondary.normals_at(point, q).into_iter().map(|normal| -Vector2::from(normal)).collect();
+        NodeAtEdge { at, x: tip.at.into(), around, facing, size, is_beside_corners: true }.is_passed()
     }
 
     /// Corner at a secondary node, with both adjacent nodes.

@@ -366,7 +366,7 @@ mod tests {
     use super::*;
     use crate::contact::fixtures::{difference, evaluated, product};
     use crate::contact::surface::Surface;
-    use crate::contact::{Facets, Obstacle, ObstacleInSpace, RigidContact, RigidCorners, RigidInSpace};
+    use crate::contact::{Facets, Obstacle, ObstacleInSpace, RigidCorners, rigid_contact};
 
     const TRANSLATIONS: [[f64; 3]; 3] = [[0.1, -0.2, 0.0], [0.12, -0.15, 0.0], [0.15, -0.1, 0.0]];
 
@@ -375,15 +375,16 @@ mod tests {
         let inner: Box<dyn ContactKernel> = if of_points {
             Box::new(RigidCorners::new(&[[0, 1]], &obstacle, q_0, 1.0).expect("a polyline has corners"))
         } else {
-            Box::new(RigidContact::new(&[[0, 1]], &obstacle, q_0))
+            rigid_contact(Surface::new(&[[0, 1]]), &obstacle, q_0, Default::default())
         };
         begun(inner, TurningAxis::new([0.3, 0.2, 0.0], [0.0, 0.0, 1.0]), q_0)
     }
 
     fn in_space(q_0: &[f64]) -> TurningContact {
         let cube = Facets::cuboid([-0.8, -0.5, -0.4], [0.3, 0.6, 0.7]).expect("it has a volume");
-        let inner = RigidInSpace::new(Surface::in_space([&[0, 1, 2][..]]), &ObstacleInSpace::Facets(cube.into()), q_0);
-        begun(Box::new(inner), TurningAxis::new([0.3, 0.2, -0.4], [1.0, -2.0, 0.5]), q_0)
+        let cube = Obstacle::InSpace(ObstacleInSpace::Facets(cube.into()));
+        let inner = rigid_contact(Surface::in_space([&[0, 1, 2][..]]), &cube, q_0, Default::default());
+        begun(inner, TurningAxis::new([0.3, 0.2, -0.4], [1.0, -2.0, 0.5]), q_0)
     }
 
     fn begun(inner: Box<dyn ContactKernel>, axis: TurningAxis, q_0: &[f64]) -> TurningContact {

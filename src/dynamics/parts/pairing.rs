@@ -5,8 +5,8 @@ use super::laws::Bilateral;
 use super::round_contacts::RoundContacts;
 use crate::bodies::BarycentricMap;
 use crate::contact::{
-    ContactKernel, CornersInSpace, FacetShape, NodeToSegment, Obstacle, ObstacleInSpace, ProxyNodes, ProxySurfacesInSpace, RigidContact,
-    RigidCorners, RigidInSpace, RoundInSpace, RowsOf, Surface, Tie, rolling_contact, round_contact,
+    ContactKernel, CornersInSpace, FacetShape, NodeToSegment, NodesOnObstacle, Obstacle, ObstacleInSpace, ProxyNodes, ProxySurfacesInSpace,
+    RigidCorners, RoundInSpace, RowsOf, Surface, Tie, TouchingPoints, rigid_contact, rolling_contact, round_contact,
 };
 use crate::dynamics::model::boundaries::{boundary_faces, boundary_facets, facets_of_all, tie_reach, tied_in_space};
 use crate::dynamics::model::definitions::Model;
@@ -125,10 +125,12 @@ impl Pairing<'_> {
 
     fn pair_of(&self, interaction: &Interaction) -> ContactPair {
         let Interaction { name, secondary, partner, .. } = interaction;
-        if let Partner::Obstacle { shape: Obstacle::InSpace(shape), motion, turn } = partner {
+        if let Partner::Obstacle { shape: obstacle @ Obstacle::InSpace(shape), motion, turn } = partner {
             let surfaces = self.in_space(interaction);
-            let kernel = RigidInSpace::of_curve(&surfaces, shape).without(surfaces.belongs_to(&self.round.nodes_inside(interaction)));
-            let kernel = self.turning(turn, surfaces.on_nodes(Box::new(kernel), true));
+            let is_hidden = surfaces.belongs_to(&self.round.nodes_inside(interaction));
+            let nodes = NodesOnObstacle { is_hidden, heights: surfaces.heights(0), ..Default::default() };
+            let kernel = rigid_contact(surfaces.secondary.clone(), obstacle, &surfaces.reference, nodes);
+            let kernel = self.turning(turn, surfaces.on_nodes(kernel, true));
             let mut pair = self.obstacle_pair(name, shape, secondary.body, kernel);
             (pair.motion, pair.turn) = (motion.clone(), turn.clone());
             let mut pair = self.held(pair, interaction, false);
@@ -166,15 +168,15 @@ impl Pairing<'_> {
                 self.pair(name, PairKind::Surfaces, secondary.body, surfaces.on_nodes(kernel))
             }
             Partner::Obstacle { shape, motion, turn } => {
-                let kernel = RigidContact::new(&facets, shape, self.reference).without(&self.round.nodes_inside(interaction));
+                let (surface, inside) = (Surface::new(&facets), self.round.nodes_inside(interaction));
+                let is_hidden = surface.nodes().iter().map(|node| inside.binary_search(node).is_ok()).collect();
                 // Constraints of obstacles belong to the nodes of the surface itself, not to a proxy surface.
-                let kernel = match self.middles.lengths(&facets, self.reference) {
-                    Some(lengths) => kernel.with_weights(lengths),
-                    None => kernel,
-                };
-                let kernel =
-                    if self.model.touches_with_arcs(interaction) { kernel.of_curve(self.reference, interaction.radius()) } else { kernel };
-                let mut pair = self.pair(name, PairKind::Obstacle, secondary.body, self.turning(turn, Box::new(kernel)));
+                let weights = self.middles.lengths(&facets, self.reference);
+                let arcs = TouchingPoints::Arcs { radius: interaction.radius() };
+                let points = if self.model.touches_with_arcs(interaction) { arcs } else { TouchingPoints::Nodes };
+                let nodes = NodesOnObstacle { is_hidden, weights, points, ..Default::default() };
+                let kernel = rigid_contact(surface, shape, self.reference, nodes);
+                let mut pair = self.pair(name, PairKind::Obstacle, secondary.body, self.turning(turn, kernel));
                 (pair.motion, pair.turn) = (motion.clone(), turn.clone());
                 pair
             }
