@@ -14,8 +14,8 @@ use super::bends::CORNER_BESIDE_NODES;
 /// inclined by 11 degrees to a side of the obstacle overlaps it up to this distance when the edge has the admitted overlap of 0.02.
 pub const ACROSS_EDGE: f64 = 0.1;
 
-/// Distance from a sharp edge or convex corner of an obstacle, in smallest facets, within which a node has the plane of one face as obstacle
-/// in a step.
+/// Distance from a sharp edge or convex corner of an obstacle, in smallest facets, within which a node has the plane of one face as
+/// obstacle in a step.
 const AT_EDGE: f64 = 0.02;
 
 /// Largest overlap with the plane at the start of a step, in smallest facets; above the admitted overlap of corners, far below a node that

@@ -82,7 +82,7 @@ pub use facet_shape::FacetShape;
 pub use friction::{Coulomb, FrictionCurve, FrictionLaw, Limit, ROUGH, SlipState};
 pub use geared::{CoordinateKind, Geared};
 pub use joint_slip::JointSlip;
-pub use kernel::{CandidateSearch, ContactKernel, Correction, PatchFunctions, RigidObstacle, TangentSink};
+pub use kernel::{CandidateSearch, ContactKernel, Correction, PatchFunctions, RigidObstacle, Setting, TangentSink};
 pub use method::{ContactMethod, MakeKernel};
 pub use methods::METHODS;
 pub use mortar::{DUAL_MORTAR, MORTAR, Mortar};

@@ -17,7 +17,7 @@ use super::bends::Bends;
 use super::chain::{Chain, Measure};
 use super::depth::NodePosition;
 use super::edge_plane::{ACROSS_EDGE, NodeAtEdge};
-use super::kernel::{CandidateSearch, PatchFunctions, RigidObstacle};
+use super::kernel::{CandidateSearch, PatchFunctions, RigidObstacle, Setting};
 use super::method::ContactMethod;
 use super::node_patch::{self, PointStart};
 use super::patches::Evaluation;
@@ -331,6 +331,21 @@ impl NodeToSegment {
     fn is_overlapped(&self, start: &PointStart) -> bool {
         self.corners.is_some() && start.measures.iter().flatten().any(|measure| measure.gap <= -OVERLAP_OF_SURFACES * self.sides.facet_size)
     }
+
+    /// Sets the height profiles of the facets of both sides.
+    fn set_profiles(&mut self, [secondary, primary]: [Vec<Profile>; 2]) {
+        let surface = &self.sides.secondary;
+        let mean_height = |node: usize| {
+            let facets = surface.adjacent_facets(node);
+            let height = |&facet: &u32| {
+                let end = if surface.local_facets()[facet as usize][0] as usize == node { 0.0 } else { 1.0 };
+                surface.facet_measure(facet as usize, &self.reference) * secondary[facet as usize].at(end)[0]
+            };
+            facets.iter().map(height).sum::<f64>() / facets.len() as f64
+        };
+        self.own_heights = (0..surface.nodes().len()).map(mean_height).collect();
+        self.profiles = primary;
+    }
 }
 
 /// Pairs (point, primary facet) of self-contact that are excluded, ascending: pairs that are excluded for one of the facets adjacent to the
@@ -350,6 +365,14 @@ impl PatchFunctions for NodeToSegment {
         &self.sides
     }
 
+    fn set(&mut self, setting: Setting) {
+        match setting {
+            Setting::Profiles(profiles) => self.set_profiles(profiles),
+            Setting::BesideCorners => self.is_beside_corners = true,
+            Setting::AboutAxis | Setting::Correction(_) | Setting::Workers(_) => {}
+        }
+    }
+
     fn is_nodal(&self) -> bool {
         true
     }
@@ -362,20 +385,6 @@ impl PatchFunctions for NodeToSegment {
         self.points.nodes()
     }
 
-    fn set_profiles(&mut self, [secondary, primary]: [Vec<Profile>; 2]) {
-        let surface = &self.sides.secondary;
-        let mean_height = |node: usize| {
-            let facets = surface.adjacent_facets(node);
-            let height = |&facet: &u32| {
-                let end = if surface.local_facets()[facet as usize][0] as usize == node { 0.0 } else { 1.0 };
-                surface.facet_measure(facet as usize, &self.reference) * secondary[facet as usize].at(end)[0]
-            };
-            facets.iter().map(height).sum::<f64>() / facets.len() as f64
-        };
-        self.own_heights = (0..surface.nodes().len()).map(mean_height).collect();
-        self.profiles = primary;
-    }
-
     fn start_gap(&self) -> Vec<f64> {
         node_patch::start_gaps(&self.sides, &self.start)
     }
@@ -386,10 +395,6 @@ impl PatchFunctions for NodeToSegment {
             self.sides.patches.rows(p).iter().for_each(|&row| slacks[row as usize] = start.slack);
         }
         slacks
-    }
-
-    fn stand_beside_corners(&mut self) {
-        self.is_beside_corners = true;
     }
 
     fn begin_step(&mut self, q_0: &[f64]) {

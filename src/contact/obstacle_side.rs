@@ -1,5 +1,5 @@
-//! Signed distances and discrete gradients of rigid obstacles in the plane and in space, for the nodes of a surface (`rigid.rs`), arcs about
-//! them (`node_arcs.rs`) and round parts of rigid bodies (`rolling.rs`).
+//! Signed distances and discrete gradients of rigid obstacles in the plane and in space, for the nodes of a surface (`rigid.rs`), arcs
+//! about them (`node_arcs.rs`) and round parts of rigid bodies (`rolling.rs`).
 
 use nalgebra::{SMatrix, SVector};
 

@@ -8,14 +8,13 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Mutex, PoisonError};
 
 use super::combinations::Combinations;
-use super::kernel::{CandidateSearch, ContactKernel, Correction, PatchFunctions, RigidObstacle, TangentSink};
+use super::kernel::{CandidateSearch, ContactKernel, PatchFunctions, RigidObstacle, TangentSink};
 use super::patches::{Evaluation, Patches};
-use super::search::{Candidates, PairSearch};
+use super::search::Candidates;
 use super::slip::SlipStep;
 use super::surface::Sides;
 use super::window::{MotionBound, PredictedMotion};
 use crate::integrators::Derivative;
-use crate::math::workers::Workers;
 
 /// Contact method on points (the inner method), presented as a method on the nodes.
 pub(super) struct OnCurves {
@@ -274,12 +273,12 @@ impl PatchFunctions for OnCurves {
         &self.sides
     }
 
-    fn rows_per_node(&self) -> usize {
-        self.inner.rows_per_node()
+    fn inner(&self) -> Option<&dyn ContactKernel> {
+        Some(&*self.inner)
     }
 
-    fn is_nodal(&self) -> bool {
-        self.inner.is_nodal()
+    fn inner_mut(&mut self) -> Option<&mut dyn ContactKernel> {
+        Some(&mut *self.inner)
     }
 
     fn row_nodes(&self) -> &[u32] {
@@ -299,22 +298,6 @@ impl PatchFunctions for OnCurves {
 
     fn start_gap(&self) -> Vec<f64> {
         self.gathered(&self.inner.start_gap())
-    }
-
-    fn set_correction(&mut self, correction: Correction) {
-        self.inner.set_correction(correction);
-    }
-
-    fn turn_about_axis(&mut self) {
-        self.inner.turn_about_axis();
-    }
-
-    fn stand_beside_corners(&mut self) {
-        self.inner.stand_beside_corners();
-    }
-
-    fn share_among(&mut self, workers: &Workers) {
-        self.inner.share_among(workers);
     }
 
     fn bytes(&self) -> u64 {
@@ -390,17 +373,9 @@ impl CandidateSearch for OnCurves {
         self.members[p].iter().for_each(|member| self.inner.for_each_participant(member.patch, &mut parts));
     }
 
-    fn candidates(&self) -> Option<&Candidates> {
-        self.inner.candidates()
-    }
-
     fn restore_candidates(&mut self, candidates: &Candidates, q: &[f64]) {
         self.inner.restore_candidates(candidates, &self.proxies(q));
         self.list();
-    }
-
-    fn search(&self) -> Option<&PairSearch> {
-        self.inner.search()
     }
 
     fn deepest(&self, q: &[f64]) -> f64 {
@@ -413,18 +388,6 @@ impl CandidateSearch for OnCurves {
 }
 
 impl RigidObstacle for OnCurves {
-    fn move_obstacle(&mut self, translations: &[[f64; 3]; 3]) {
-        self.inner.move_obstacle(translations);
-    }
-
-    fn carry(&mut self, shift: [f64; 3], angle: f64) {
-        self.inner.carry(shift, angle);
-    }
-
-    fn obstacle_translation(&self) -> [f64; 3] {
-        self.inner.obstacle_translation()
-    }
-
     fn passage(&self, q_1: &[f64]) -> [f64; 2] {
         self.inner.passage(&self.proxies(q_1))
     }

@@ -14,7 +14,7 @@
 use nalgebra::{SMatrix, SVector};
 
 use super::edge_plane::{ACROSS_EDGE, NodeAtEdge};
-use super::kernel::{CandidateSearch, PatchFunctions, RigidObstacle};
+use super::kernel::{CandidateSearch, PatchFunctions, RigidObstacle, Setting};
 use super::obstacle_side::{Distance, ObstacleSide, StepGradient};
 use super::patches::Evaluation;
 use super::slip::{SlipStep, Slips};
@@ -279,13 +279,13 @@ where
         true
     }
 
+    fn set(&mut self, setting: Setting) {
+        self.is_beside_corners |= matches!(setting, Setting::BesideCorners);
+    }
+
     fn owns(&self, _p: usize, _node: u32) -> bool {
         // All nodes of a curve belong to the surface.
         true
-    }
-
-    fn stand_beside_corners(&mut self) {
-        self.is_beside_corners = true;
     }
 
     fn begin_step(&mut self, q_0: &[f64]) {

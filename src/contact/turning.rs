@@ -20,16 +20,14 @@
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
-use super::kernel::{CandidateSearch, ContactKernel, Correction, PatchFunctions, RigidObstacle};
+use super::kernel::{CandidateSearch, ContactKernel, PatchFunctions, RigidObstacle};
 use super::patches::{Evaluation, Patches};
 use super::placement::{ObstaclePlacement, TurningAxis};
-use super::profile::Profile;
-use super::search::{Candidates, PairSearch};
+use super::search::Candidates;
 use super::slip::SlipStep;
 use super::surface::Sides;
 use super::window::{MotionBound, PredictedMotion};
 use crate::integrators::{Configuration, Derivative};
-use crate::math::workers::Workers;
 
 /// Contact with an obstacle that turns about an axis.
 pub struct TurningContact {
@@ -171,44 +169,16 @@ impl PatchFunctions for TurningContact {
         self.inner.sides()
     }
 
-    fn rows_per_node(&self) -> usize {
-        self.inner.rows_per_node()
+    fn inner(&self) -> Option<&dyn ContactKernel> {
+        Some(&*self.inner)
     }
 
-    fn is_nodal(&self) -> bool {
-        self.inner.is_nodal()
-    }
-
-    fn row_nodes(&self) -> &[u32] {
-        self.inner.row_nodes()
+    fn inner_mut(&mut self) -> Option<&mut dyn ContactKernel> {
+        Some(&mut *self.inner)
     }
 
     fn shown_at(&self, row: usize, q: &[f64]) -> Option<u32> {
         self.inner.shown_at(row, &self.in_frame(q, END))
-    }
-
-    fn carriers(&self, row: usize) -> &[u32] {
-        self.inner.carriers(row)
-    }
-
-    fn rows(&self) -> usize {
-        self.inner.rows()
-    }
-
-    fn weights(&self) -> &[f64] {
-        self.inner.weights()
-    }
-
-    fn owns(&self, p: usize, node: u32) -> bool {
-        self.inner.owns(p, node)
-    }
-
-    fn bytes(&self) -> u64 {
-        self.inner.bytes()
-    }
-
-    fn slip_patches(&self) -> &Patches {
-        self.inner.slip_patches()
     }
 
     fn begin_step(&mut self, q_0: &[f64]) {
@@ -219,26 +189,6 @@ impl PatchFunctions for TurningContact {
 
     fn start_gap(&self) -> Vec<f64> {
         self.inner.start_gap()
-    }
-
-    fn set_correction(&mut self, correction: Correction) {
-        self.inner.set_correction(correction);
-    }
-
-    fn turn_about_axis(&mut self) {
-        self.inner.turn_about_axis();
-    }
-
-    fn stand_beside_corners(&mut self) {
-        self.inner.stand_beside_corners();
-    }
-
-    fn set_profiles(&mut self, profiles: [Vec<Profile>; 2]) {
-        self.inner.set_profiles(profiles);
-    }
-
-    fn share_among(&mut self, workers: &Workers) {
-        self.inner.share_among(workers);
     }
 
     fn evaluate(&self, derivative: Derivative, q_1: &[f64], lambda: &[f64], out: &mut Evaluation) {
@@ -262,10 +212,6 @@ impl PatchFunctions for TurningContact {
         self.inner.gap(&self.in_frame(q, END))
     }
 
-    fn slacks(&self) -> Vec<f64> {
-        self.inner.slacks()
-    }
-
     fn coverage(&self, q: &[f64]) -> Vec<f64> {
         self.inner.coverage(&self.in_frame(q, END))
     }
@@ -287,22 +233,10 @@ impl CandidateSearch for TurningContact {
         self.inner.overlooks(&self.in_frame(q_0, START), &self.in_frame(q_1, END), tolerance)
     }
 
-    fn for_each_participant(&self, p: usize, visit: &mut dyn FnMut(u32)) {
-        self.inner.for_each_participant(p, visit);
-    }
-
-    fn candidates(&self) -> Option<&Candidates> {
-        self.inner.candidates()
-    }
-
     fn restore_candidates(&mut self, candidates: &Candidates, q: &[f64]) {
         self.start = q.to_vec();
         let q = self.in_frame(q, START);
         self.inner.restore_candidates(candidates, &q);
-    }
-
-    fn search(&self) -> Option<&PairSearch> {
-        self.inner.search()
     }
 
     fn deepest(&self, q: &[f64]) -> f64 {

@@ -6,7 +6,7 @@ use super::round_contacts::RoundContacts;
 use crate::bodies::BarycentricMap;
 use crate::contact::{
     ContactKernel, CornersInSpace, FacetShape, NodeToSegment, NodesOnObstacle, Obstacle, ObstacleInSpace, ProxyNodes, ProxySurfacesInSpace,
-    RigidCorners, RoundInSpace, RowsOf, Surface, Tie, TouchingPoints, rigid_contact, rolling_contact, round_contact,
+    RigidCorners, RoundInSpace, RowsOf, Setting, Surface, Tie, TouchingPoints, rigid_contact, rolling_contact, round_contact,
 };
 use crate::dynamics::model::boundaries::{boundary_faces, boundary_facets, facets_of_all, tie_reach, tied_in_space};
 use crate::dynamics::model::definitions::Model;
@@ -44,7 +44,7 @@ pub fn contact_pairs(
     let corners = made.corners(&pairs);
     let rolling: Vec<ContactPair> = (0..pairs.len()).filter_map(|of| made.rolling(of)).collect();
     let holding = corners.iter().filter(|pair| !pair.only_measures()).filter_map(|pair| pair.corners);
-    holding.for_each(|corners| pairs[corners.pair].kernel.stand_beside_corners());
+    holding.for_each(|corners| pairs[corners.pair].kernel.set(Setting::BesideCorners));
     pairs.extend(corners);
     pairs.extend(rolling);
     pairs.extend(points);
@@ -93,7 +93,7 @@ impl Pairing<'_> {
     fn pair(&self, name: &str, kind: PairKind, body: usize, mut kernel: Box<dyn ContactKernel>) -> ContactPair {
         let modulus = self.model.modulus(body);
         if self.model.is_axisymmetric() {
-            kernel.turn_about_axis();
+            kernel.set(Setting::AboutAxis);
         }
         let mut pair = ContactPair::new(name, kind, kernel, modulus, self.reach);
         pair.is_axisymmetric = self.model.is_axisymmetric();
