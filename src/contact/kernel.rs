@@ -189,8 +189,11 @@ pub trait PatchFunctions {
         self.inner().map_or_else(|| vec![1.0; self.weights().len()], |inner| inner.slacks())
     }
 
-    /// Covered share of each secondary node's weight function, 0 to 1; the constraint function vanishes identically at 0.
-    fn coverage(&self, q: &[f64]) -> Vec<f64>;
+    /// Covered share of each secondary node's weight function, 0 to 1; the constraint function vanishes identically at 0. Constraints that
+    /// are always present are covered.
+    fn coverage(&self, _q: &[f64]) -> Vec<f64> {
+        vec![1.0; self.weights().len()]
+    }
 }
 
 /// Search for the contact elements of a step, and penetration of the candidates.

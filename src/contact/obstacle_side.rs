@@ -4,6 +4,7 @@
 use nalgebra::{SMatrix, SVector};
 
 use super::edge_plane::{AtEdge, NodeAtEdge};
+use crate::integrators::{Configuration, Derivative};
 use crate::math::tolerances::PASSING;
 
 /// Smallest and largest number of samples on a straight path at which its distance is evaluated.
@@ -58,6 +59,17 @@ pub(super) trait ObstacleSide<const D: usize>: Clone + Send + Sync {
     /// Discrete gradient between two points, not corrected for increments below `PROJECTED_INCREMENT * size`; `size` is the facet size
     /// `[length]`.
     fn step_gradient(&self, x_0: SVector<f64, D>, x_1: SVector<f64, D>, size: f64) -> StepGradient<D>;
+
+    /// Algorithmic gradient of a step, and its derivative, for positions at the start, in the middle and at the end.
+    fn gradient_of(&self, derivative: Derivative, [start, middle, end]: [SVector<f64, D>; 3], size: f64) -> StepGradient<D> {
+        let (at, x) = match derivative {
+            Derivative::DiscreteGradient => return self.step_gradient(start, end, size),
+            Derivative::Gradient(at @ Configuration::Middle) => (at, middle),
+            Derivative::Gradient(at @ Configuration::End) => (at, end),
+        };
+        let Distance { normal, curvature, .. } = self.at(x);
+        StepGradient { bar: normal, tangent: curvature * at.share() }
+    }
 
     /// Largest number of sides of the obstacle that a node touches simultaneously.
     fn sides_of_node(&self) -> usize {

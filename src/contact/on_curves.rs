@@ -13,7 +13,7 @@ use super::patches::{Evaluation, Patches};
 use super::search::Candidates;
 use super::slip::SlipStep;
 use super::surface::Sides;
-use super::window::{MotionBound, PredictedMotion};
+use super::window::{MappedMotion, PredictedMotion};
 use crate::integrators::Derivative;
 
 /// Contact method on points (the inner method), presented as a method on the nodes.
@@ -128,6 +128,11 @@ impl OnCurves {
     /// Positions `P q` of the points.
     fn proxies(&self, q: &[f64]) -> Vec<f64> {
         self.points.points(self.sides.patches.dimension(), q)
+    }
+
+    /// Predicted motion of the points.
+    fn motion<'a>(&self, of_nodes: &PredictedMotion<'a>) -> MappedMotion<'a> {
+        of_nodes.mapped(self.proxies(of_nodes.q), |sizes| self.points.bounds(sizes), |u| self.proxies(u))
     }
 
     /// Sums `S^T values` of inner values, per outer constraint.
@@ -252,22 +257,6 @@ fn place(list: &mut Vec<u32>, item: u32) -> u32 {
     }) as u32
 }
 
-/// Calls `then` with the predicted motion of the points instead of that of the nodes.
-fn with_seen<T>(points: &Combinations, d: usize, predicted_motion: &PredictedMotion, then: impl FnOnce(&PredictedMotion) -> T) -> T {
-    let q = points.points(d, predicted_motion.q);
-    match predicted_motion.motion_bound {
-        MotionBound::UpTo(_) => then(&PredictedMotion { q: &q, ..*predicted_motion }),
-        MotionBound::Each { sizes, besides } => {
-            let sizes = points.bounds(sizes);
-            then(&PredictedMotion { q: &q, motion_bound: MotionBound::Each { sizes: &sizes, besides }, ..*predicted_motion })
-        }
-        MotionBound::Guessed { displacements, factor } => {
-            let [a, b] = displacements.map(|u| points.points(d, u));
-            then(&PredictedMotion { q: &q, motion_bound: MotionBound::Guessed { displacements: [&a, &b], factor }, ..*predicted_motion })
-        }
-    }
-}
-
 impl PatchFunctions for OnCurves {
     fn sides(&self) -> &Sides {
         &self.sides
@@ -352,8 +341,8 @@ impl PatchFunctions for OnCurves {
 
 impl CandidateSearch for OnCurves {
     fn update_candidates(&mut self, predicted_motion: &PredictedMotion) -> bool {
-        let d = self.sides.patches.dimension();
-        let changed = with_seen(&self.points, d, predicted_motion, |predicted_motion| self.inner.update_candidates(predicted_motion));
+        let motion = self.motion(predicted_motion);
+        let changed = self.inner.update_candidates(&motion.of_points());
         if changed {
             self.list();
         }
@@ -361,7 +350,7 @@ impl CandidateSearch for OnCurves {
     }
 
     fn margin(&self, predicted_motion: &PredictedMotion) -> f64 {
-        with_seen(&self.points, self.sides.patches.dimension(), predicted_motion, |predicted_motion| self.inner.margin(predicted_motion))
+        self.inner.margin(&self.motion(predicted_motion).of_points())
     }
 
     fn overlooks(&self, q_0: &[f64], q_1: &[f64], tolerance: f64) -> bool {

@@ -219,15 +219,7 @@ impl<const D: usize, S: ObstacleSide<D>, C: NodeCurve<D, S>> RigidContact<D, S, 
                 Derivative::Gradient(at @ Configuration::End) => curve.plain(shape, &places(nodes, ends), at.share()),
             };
         }
-        let plain = |x: SVector<f64, D>, at: Configuration| {
-            let Distance { normal, curvature, .. } = shape.at(x);
-            StepGradient { bar: normal, tangent: curvature * at.share() }
-        };
-        let StepGradient { bar, tangent } = match derivative {
-            Derivative::DiscreteGradient => shape.step_gradient(begins(index), ends(index), size),
-            Derivative::Gradient(at @ Configuration::Middle) => plain(middle(index), at),
-            Derivative::Gradient(at @ Configuration::End) => plain(ends(index), at),
-        };
+        let StepGradient { bar, tangent } = shape.gradient_of(derivative, [begins(index), middle(index), ends(index)], size);
         RowGradient { bar: row_of(bar), tangent: SMatrix::from_fn(|i, k| if i < D && k < D { tangent[(i, k)] } else { 0.0 }) }
     }
 
@@ -293,12 +285,8 @@ where
     }
 
     fn start_gap(&self) -> Vec<f64> {
-        let mut gaps = vec![0.0; self.sides.weights.len()];
-        for (row, index, shape) in self.present_constraints() {
-            let gap = self.nearest(index, shape, |index| self.begins(index)).0.gap;
-            gaps[row] = self.sides.weights[row] * (gap - self.heights[index]);
-        }
-        gaps
+        let gap = |index: usize, shape: &S| self.nearest(index, shape, |index| self.begins(index)).0.gap - self.heights[index];
+        self.sides.weighted(self.present_constraints().map(|(row, index, shape)| (row, gap(index, shape))))
     }
 
     fn evaluate(&self, derivative: Derivative, q_1: &[f64], lambda: &[f64], out: &mut Evaluation) {
@@ -327,20 +315,12 @@ where
     }
 
     fn gap(&self, q: &[f64]) -> Vec<f64> {
-        let mut gaps = vec![0.0; self.sides.weights.len()];
         // The first constraint of a node represents the whole obstacle at positions outside of the step.
-        for (index, distance) in self.distances(q) {
-            gaps[self.slots * index] = self.weight(index) * (distance.gap - self.heights[index]);
-        }
-        gaps
+        self.sides.weighted(self.distances(q).map(|(index, at)| (self.slots * index, at.gap - self.heights[index])))
     }
 
     fn coverage(&self, q: &[f64]) -> Vec<f64> {
-        let mut coverage = vec![0.0; self.sides.weights.len()];
-        for (index, distance) in self.distances(q) {
-            coverage[self.slots * index] = f64::from(u8::from(distance.covered));
-        }
-        coverage
+        self.sides.per_row(self.distances(q).map(|(index, at)| (self.slots * index, f64::from(u8::from(at.covered)))))
     }
 }
 

@@ -12,7 +12,7 @@ use super::round::RoundContact;
 use super::slip::SlipStep;
 use super::space::{CornersInSpace, ObstacleInSpace};
 use super::surface::{Sides, Surface};
-use super::window::{MotionBound, PredictedMotion};
+use super::window::PredictedMotion;
 use super::{CandidateSearch, Candidates, ContactKernel, PatchFunctions, RigidObstacle};
 use crate::integrators::Derivative;
 
@@ -217,25 +217,11 @@ impl PatchFunctions for RigidCorners {
 
 impl CandidateSearch for RigidCorners {
     fn update_candidates(&mut self, predicted_motion: &PredictedMotion) -> bool {
-        let q = self.positions(predicted_motion.q, 0);
-        let changed = match predicted_motion.motion_bound {
-            MotionBound::UpTo(_) => self.inner.update_candidates(&PredictedMotion { q: &q, ..*predicted_motion }),
-            MotionBound::Each { sizes, besides } => {
-                let points = self.points.len() / self.dimension;
-                let sizes: Vec<f64> = sizes.iter().copied().chain(std::iter::repeat_n(0.0, points)).collect();
-                self.inner.update_candidates(&PredictedMotion {
-                    q: &q,
-                    motion_bound: MotionBound::Each { sizes: &sizes, besides },
-                    ..*predicted_motion
-                })
-            }
-            MotionBound::Guessed { displacements, factor } => {
-                let [from, _, to] = self.translations;
-                let [a, b] = displacements.map(|u| self.extended(u, |_, i| to[i] - from[i]));
-                let motion_bound = MotionBound::Guessed { displacements: [&a, &b], factor };
-                self.inner.update_candidates(&PredictedMotion { q: &q, motion_bound, ..*predicted_motion })
-            }
-        };
+        let ([from, _, to], points) = (self.translations, self.points.len() / self.dimension);
+        let bounds = |sizes: &[f64]| sizes.iter().copied().chain(std::iter::repeat_n(0.0, points)).collect();
+        let moved = |u: &[f64]| self.extended(u, |_, i| to[i] - from[i]);
+        let motion = predicted_motion.mapped(self.positions(predicted_motion.q, 0), bounds, moved);
+        let changed = self.inner.update_candidates(&motion.of_points());
         if changed {
             self.list_patches();
         }

@@ -49,7 +49,7 @@ use super::slip::{SlipStep, Slips};
 use super::surface::{Sides, Surface};
 use super::tilt::Tilt;
 use super::window::PredictedMotion;
-use crate::integrators::{Configuration, Derivative};
+use crate::integrators::Derivative;
 use crate::math::tolerances::CROSSING;
 
 /// Distance between two round bodies, relative to the smaller radius, up to which their constraint is part of the equations, in addition to
@@ -182,19 +182,9 @@ impl<const D: usize, S: ObstacleSide<D>> RollingContact<D, S> {
 
     /// Algorithmic gradient of a step, and its derivative, for the center of a part, without weight.
     fn step_gradient(&self, obstacle_side: &S, derivative: Derivative, roller: usize, q_1: &[f64]) -> StepGradient<D> {
-        let plain = |x: SVector<f64, D>, at: Configuration| {
-            let Distance { normal, curvature, .. } = obstacle_side.at(x);
-            StepGradient { bar: normal, tangent: curvature * at.share() }
-        };
-        match derivative {
-            Derivative::DiscreteGradient => {
-                obstacle_side.step_gradient(self.start[roller] - self.moved(0), self.center(roller, q_1, 2), self.sides.facet_size)
-            }
-            Derivative::Gradient(at @ Configuration::Middle) => {
-                plain(0.5 * (self.start[roller] + self.center(roller, q_1, 2) + self.moved(2)) - self.moved(1), at)
-            }
-            Derivative::Gradient(at @ Configuration::End) => plain(self.center(roller, q_1, 2), at),
-        }
+        let end = self.center(roller, q_1, 2);
+        let middle = 0.5 * (self.start[roller] + end + self.moved(2)) - self.moved(1);
+        obstacle_side.gradient_of(derivative, [self.begins(roller), middle, end], self.sides.facet_size)
     }
 
     pub(super) fn rows_of(&self, roller: usize) -> Range<usize> {
@@ -303,12 +293,9 @@ where
     }
 
     fn start_gap(&self) -> Vec<f64> {
-        let mut gaps = vec![0.0; self.sides.weights.len()];
-        for (row, roller, obstacle_side, _) in self.present_constraints() {
-            let nearer = self.rollers[roller].part.radius * self.at_start[row].height;
-            gaps[row] = self.sides.weights[row] * (obstacle_side.at(self.begins(roller)).gap - nearer);
-        }
-        gaps
+        let nearer = |row: usize, roller: usize| self.rollers[roller].part.radius * self.at_start[row].height;
+        let gaps = self.present_constraints().map(|(row, roller, side, _)| (row, side.at(self.begins(roller)).gap - nearer(row, roller)));
+        self.sides.weighted(gaps)
     }
 
     fn evaluate(&self, derivative: Derivative, q_1: &[f64], lambda: &[f64], out: &mut Evaluation) {
@@ -350,19 +337,12 @@ where
     }
 
     fn gap(&self, q: &[f64]) -> Vec<f64> {
-        let mut gaps = vec![0.0; self.sides.weights.len()];
         // The first constraint of a part represents the whole obstacle.
-        for (roller, gap) in self.distances(q) {
-            let row = self.rows_of(roller).start;
-            gaps[row] = self.sides.weights[row] * gap;
-        }
-        gaps
+        self.sides.weighted(self.distances(q).map(|(roller, gap)| (self.rows_of(roller).start, gap)))
     }
 
     fn coverage(&self, q: &[f64]) -> Vec<f64> {
-        let mut coverage = vec![0.0; self.sides.weights.len()];
-        self.distances(q).for_each(|(roller, _)| coverage[self.rows_of(roller).start] = 1.0);
-        coverage
+        self.sides.per_row(self.distances(q).map(|(roller, _)| (self.rows_of(roller).start, 1.0)))
     }
 }
 

@@ -26,7 +26,7 @@ use super::placement::{ObstaclePlacement, TurningAxis};
 use super::search::Candidates;
 use super::slip::SlipStep;
 use super::surface::Sides;
-use super::window::{MotionBound, PredictedMotion};
+use super::window::{MappedMotion, PredictedMotion};
 use crate::integrators::{Configuration, Derivative};
 
 /// Contact with an obstacle that turns about an axis.
@@ -143,24 +143,11 @@ impl TurningContact {
         }
     }
 
-    /// Predicted motion in the frame of the obstacle, of which `q` and `displacements` are the positions and displacement fields.
-    fn predicted<'a>(&self, motion: &PredictedMotion<'a>, q: &'a [f64], displacements: &'a [Vec<f64>; 2]) -> PredictedMotion<'a> {
-        let motion_bound = match motion.motion_bound {
-            MotionBound::Guessed { factor, .. } => MotionBound::Guessed { displacements: [&displacements[0], &displacements[1]], factor },
-            other => other,
-        };
-        PredictedMotion { q, motion_bound, ..*motion }
-    }
-
-    /// Positions and displacement fields of a predicted motion in the frame.
-    fn predicted_fields(&self, motion: &PredictedMotion) -> (Vec<f64>, [Vec<f64>; 2]) {
+    /// Predicted motion in the frame of the obstacle.
+    fn motion<'a>(&self, in_space: &PredictedMotion<'a>) -> MappedMotion<'a> {
         let by: [f64; 3] = std::array::from_fn(|i| self.translations[END][i] - self.translations[START][i]);
-        let field = |u: &[f64]| self.moved_in_frame(|node| self.node(motion.q, node), u, (by, 2.0 * self.half_angle()));
-        let fields = match motion.motion_bound {
-            MotionBound::Guessed { displacements, .. } => displacements.map(field),
-            _ => Default::default(),
-        };
-        (self.in_frame(motion.q, START), fields)
+        let field = |u: &[f64]| self.moved_in_frame(|node| self.node(in_space.q, node), u, (by, 2.0 * self.half_angle()));
+        in_space.mapped(self.in_frame(in_space.q, START), <[f64]>::to_vec, field)
     }
 }
 
@@ -219,14 +206,12 @@ impl PatchFunctions for TurningContact {
 
 impl CandidateSearch for TurningContact {
     fn update_candidates(&mut self, predicted_motion: &PredictedMotion) -> bool {
-        let (q, fields) = self.predicted_fields(predicted_motion);
-        let in_frame = self.predicted(predicted_motion, &q, &fields);
-        self.inner.update_candidates(&in_frame)
+        let motion = self.motion(predicted_motion);
+        self.inner.update_candidates(&motion.of_points())
     }
 
     fn margin(&self, predicted_motion: &PredictedMotion) -> f64 {
-        let (q, fields) = self.predicted_fields(predicted_motion);
-        self.inner.margin(&self.predicted(predicted_motion, &q, &fields))
+        self.inner.margin(&self.motion(predicted_motion).of_points())
     }
 
     fn overlooks(&self, q_0: &[f64], q_1: &[f64], tolerance: f64) -> bool {

@@ -377,9 +377,7 @@ impl PatchFunctions for RoundInSpace {
     }
 
     fn start_gap(&self) -> Vec<f64> {
-        let mut gaps = vec![0.0; self.sides.weights.len()];
-        self.rows_there().for_each(|row| gaps[row] = self.sides.weights[row] * self.deepest_of(row, self.start[row]).at.gap);
-        gaps
+        self.sides.weighted(self.rows_there().map(|row| (row, self.deepest_of(row, self.start[row]).at.gap)))
     }
 
     fn evaluate(&self, derivative: Derivative, q_1: &[f64], lambda: &[f64], out: &mut Evaluation) {
@@ -407,11 +405,7 @@ impl PatchFunctions for RoundInSpace {
     }
 
     fn gap(&self, q: &[f64]) -> Vec<f64> {
-        let mut gaps = vec![0.0; self.sides.weights.len()];
-        for row in self.rows_there() {
-            gaps[row] = self.sides.weights[row] * self.deepest_of(row, self.ends(row, q, 2)).at.gap;
-        }
-        gaps
+        self.sides.weighted(self.rows_there().map(|row| (row, self.deepest_of(row, self.ends(row, q, 2)).at.gap)))
     }
 
     fn coverage(&self, _q: &[f64]) -> Vec<f64> {
