@@ -272,9 +272,9 @@ impl Pairing<'_> {
             if self.round.bodies(interaction).is_some() {
                 continue;
             }
-            if let Partner::Obstacle { shape: Obstacle::InSpace(shape), turn, .. } = &interaction.partner {
+            if let Partner::Obstacle { shape: obstacle @ Obstacle::InSpace(shape), turn, .. } = &interaction.partner {
                 let surfaces = self.in_space(interaction);
-                if let Some(kernel) = RigidCorners::in_space(&surfaces.secondary, shape, &surfaces.reference, size(of)) {
+                if let Some(kernel) = RigidCorners::new(&surfaces.secondary, obstacle, &surfaces.reference, size(of)) {
                     let kernel = self.turning(turn, surfaces.on_nodes(Box::new(kernel), false));
                     add(of, PairKind::Obstacle, interaction.secondary.body, SLACK_IN_SPACE, kernel);
                 }
@@ -297,7 +297,8 @@ impl Pairing<'_> {
             if let Partner::Obstacle { shape, turn, .. } = &interaction.partner {
                 let facets = (self.facets)(&interaction.secondary);
                 let surfaces = self.middles.surfaces([&facets, &[]], self.reference, RowsOf::Facets);
-                if let Some(kernel) = RigidCorners::new(&surfaces.secondary, shape, &surfaces.reference, size(of)) {
+                let surface = Surface::new(&surfaces.secondary);
+                if let Some(kernel) = RigidCorners::new(&surface, shape, &surfaces.reference, size(of)) {
                     let slack = RigidCorners::slack(shape, size(of));
                     let kernel = self.turning(turn, surfaces.on_nodes(Box::new(kernel)));
                     add(of, PairKind::Obstacle, interaction.secondary.body, slack, kernel);
