@@ -16,11 +16,11 @@
 use num_dual::{Dual2SVec64, DualSVec64};
 
 use super::averaged_overlap::{AveragedOverlap, DIFFERENCES, Point, VARIABLES, Values, WeightedGaps, unit, weighted_gaps};
-use super::kernel::{CandidateSearch, PatchFunctions, RigidObstacle};
+use super::kernel::{CandidateSearch, PatchFunctions, RigidObstacle, Setting};
 use super::method::ContactMethod;
 use super::numbers::Number;
 use super::patches::Evaluation;
-use super::profile::{PairProfiles, Profile};
+use super::profile::PairProfiles;
 use super::search::PairSearch;
 use super::slip::{self, SlipRows, SlipStep};
 use super::surface::{Sides, Surface};
@@ -242,9 +242,11 @@ impl PatchFunctions for AveragedMortar {
         &self.sides
     }
 
-    fn set_profiles(&mut self, profiles: [Vec<Profile>; 2]) {
-        self.search.profiles = profiles;
-        self.list_patches();
+    fn set(&mut self, setting: Setting) {
+        if let Setting::Profiles(profiles) = setting {
+            self.search.profiles = profiles;
+            self.list_patches();
+        }
     }
 
     fn begin_step(&mut self, q_0: &[f64]) {

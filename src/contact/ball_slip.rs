@@ -143,10 +143,6 @@ impl PatchFunctions for BallSlip {
     fn gap(&self, _q: &[f64]) -> Vec<f64> {
         vec![0.0]
     }
-
-    fn coverage(&self, _q: &[f64]) -> Vec<f64> {
-        vec![1.0]
-    }
 }
 
 impl CandidateSearch for BallSlip {

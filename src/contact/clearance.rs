@@ -5,6 +5,7 @@
 
 use std::sync::Arc;
 
+use super::obstacle_side::{Distance, ObstacleSide};
 use super::rigid_shape::{Obstacle, PlaneOutline};
 use super::space::{Facets, ObstacleInSpace, ShapeInSpace};
 
@@ -47,13 +48,13 @@ impl Clearance {
     pub fn at(&self, x: [f64; 3]) -> Nearest {
         match &self.made {
             Made::Space(shape) => {
-                let (gap, normal, covered) = shape.signed_distance(x);
-                Nearest { gap, normal, covered }
+                let Distance { gap, normal, covered, .. } = shape.at(x.into());
+                Nearest { gap, normal: normal.into(), covered }
             }
             Made::Plane(shape) => {
                 let none = Nearest { gap: f64::INFINITY, normal: [0.0; 3], covered: false };
                 let [x, y, _] = x;
-                shape.distance([x, y]).map_or(none, |at| Nearest {
+                shape.distance([x, y].into()).map_or(none, |at| Nearest {
                     gap: at.gap,
                     normal: [at.normal[0], at.normal[1], 0.0],
                     covered: at.covered,

@@ -10,7 +10,7 @@ use proptest::prelude::*;
 use proptest::test_runner::{RngSeed, TestRunner};
 
 use super::fixtures::{dense_rows, difference, evaluated, product, tangent_along, unbalance};
-use super::{AveragedMortar, CandidateSearch, ContactKernel, Correction, Mortar, NodeToSegment, PatchFunctions, PredictedMotion};
+use super::{AveragedMortar, CandidateSearch, ContactKernel, Correction, Mortar, NodeToSegment, PatchFunctions, PredictedMotion, Setting};
 use crate::integrators::{Configuration, Derivative};
 
 /// Facets of the secondary chain, nodes 0 to 3, which faces down.
@@ -46,7 +46,7 @@ pub(super) fn kernels(q_0: &[f64]) -> Vec<(&'static str, Box<dyn ContactKernel>)
     let mortar = || Mortar::new(&SECONDARY, &PRIMARY, &reference);
     let with = |correction| {
         let mut mortar = mortar();
-        mortar.set_correction(correction);
+        mortar.set(Setting::Correction(correction));
         mortar
     };
     let mut all: Vec<(&'static str, Box<dyn ContactKernel>)> = vec![

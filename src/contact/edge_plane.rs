@@ -14,6 +14,10 @@ use super::bends::CORNER_BESIDE_NODES;
 /// inclined by 11 degrees to a side of the obstacle overlaps it up to this distance when the edge has the admitted overlap of 0.02.
 pub const ACROSS_EDGE: f64 = 0.1;
 
+/// Distance from a sharp edge or convex corner of an obstacle, in smallest facets, within which a node has the plane of one face as
+/// obstacle in a step.
+const AT_EDGE: f64 = 0.02;
+
 /// Largest overlap with the plane at the start of a step, in smallest facets; above the admitted overlap of corners, far below a node that
 /// has entered through a side.
 const DEEP: f64 = 0.05;
@@ -51,60 +55,69 @@ pub struct AtEdge<const D: usize> {
     pub distance: f64,
 }
 
-/// True if the surface next to a node, in the directions `around` to its neighbors, does not recede behind a side with the normal `normal`.
-pub fn is_in_front<const D: usize>(normal: SVector<f64, D>, mut around: impl Iterator<Item = SVector<f64, D>>) -> bool {
-    around.all(|to| normal.dot(&to.normalize()) >= -RECEDES)
+/// Node of a surface near a sharp edge or convex corner of an obstacle.
+pub struct NodeAtEdge<const D: usize> {
+    /// Sides of the obstacle at the edge.
+    pub at: AtEdge<D>,
+    /// Position of the node.
+    pub x: SVector<f64, D>,
+    /// Directions to the neighbors of the node.
+    pub around: Vec<SVector<f64, D>>,
+    /// Inward normals of the surface's facets at the node, of any length.
+    pub facing: Vec<SVector<f64, D>>,
+    /// Smallest facet `[length]`.
+    pub size: f64,
+    /// True if sharp edges of the obstacle have constraints of their own against the facets.
+    pub is_beside_corners: bool,
 }
 
-/// Plane (point, normal) through an edge of an obstacle for a node at `x` that is not in front of its own side. The normal is the
-/// direction nearest to that of a facet between the normals of the sides. If it is that of a side, the plane is this side; otherwise it
-/// goes through the node where that touches or overlaps: the overlap is kept. `None` if the node is in front of its side, if a facet lies
-/// along a side, as at the edge of a flat punch, or if the node overlaps the plane by more than the edge may. `around`: as for
-/// [`is_in_front`]; `facing`: the inward normals of the surface's facets at the node, not normalized; `size`: the smallest facet
-/// `[length]`.
-pub fn plane_through<const D: usize>(
-    at: &AtEdge<D>,
-    around: impl Iterator<Item = SVector<f64, D>>,
-    facing: impl Iterator<Item = SVector<f64, D>>,
-    x: SVector<f64, D>,
-    size: f64,
-) -> Option<[SVector<f64, D>; 2]> {
-    let own = *at.normals.first()?;
-    if is_in_front(own, around) {
-        return None;
+impl<const D: usize> NodeAtEdge<D> {
+    /// True if the node is so near to the edge that the plane of a face stands for the obstacle.
+    pub fn is_on_edge(&self) -> bool {
+        self.at.distance <= AT_EDGE * self.size
     }
-    let mut distinct: Vec<SVector<f64, D>> = Vec::new();
-    for normal in &at.normals {
-        if distinct.len() < SIDES && distinct.iter().all(|other| other.dot(normal) < ALIKE) {
-            distinct.push(*normal);
+
+    /// True if the surface next to the node does not recede behind a side with the normal `normal`.
+    pub fn is_in_front(&self, normal: SVector<f64, D>) -> bool {
+        self.around.iter().all(|to| normal.dot(&to.normalize()) >= -RECEDES)
+    }
+
+    /// Plane (point, normal) through an edge of an obstacle for a node that is not in front of its own side. The normal is the direction
+    /// nearest to that of a facet between the normals of the sides. If it is that of a side, the plane is this side; otherwise it goes
+    /// through the node where that touches or overlaps: the overlap is kept. `None` if the node is in front of its side, if a facet lies
+    /// along a side, as at the edge of a flat punch, or if the node overlaps the plane by more than the edge may.
+    pub fn plane_through(&self) -> Option<[SVector<f64, D>; 2]> {
+        let NodeAtEdge { at, x, size, .. } = self;
+        let own = *at.normals.first()?;
+        if self.is_in_front(own) {
+            return None;
         }
+        let mut distinct: Vec<SVector<f64, D>> = Vec::new();
+        for normal in &at.normals {
+            if distinct.len() < SIDES && distinct.iter().all(|other| other.dot(normal) < ALIKE) {
+                distinct.push(*normal);
+            }
+        }
+        let facing: Vec<SVector<f64, D>> = self.facing.iter().filter_map(|normal| normal.try_normalize(0.0)).collect();
+        let lies_along = |direction: &SVector<f64, D>| distinct.iter().find(|normal| normal.dot(direction) > ALONG);
+        if facing.iter().any(|direction| lies_along(direction).is_some()) {
+            return None;
+        }
+        let between = nearest_between(&distinct, facing.into_iter().max_by(|a, b| a.dot(&own).total_cmp(&b.dot(&own)))?)?;
+        let side = lies_along(&between);
+        let normal = side.copied().unwrap_or(between);
+        let point = *at.edge.iter().max_by(|a, b| a.dot(&normal).total_cmp(&b.dot(&normal)))?;
+        let gap = normal.dot(&(x - point));
+        let kept = if side.is_some() || gap > TOUCHES * size { 0.0 } else { gap };
+        (gap >= -DEEP * size).then(|| [point + normal * kept, normal])
     }
-    let facing: Vec<SVector<f64, D>> = facing.filter_map(|normal| normal.try_normalize(0.0)).collect();
-    let lies_along = |direction: &SVector<f64, D>| distinct.iter().find(|normal| normal.dot(direction) > ALONG);
-    if facing.iter().any(|direction| lies_along(direction).is_some()) {
-        return None;
-    }
-    let between = nearest_between(&distinct, facing.into_iter().max_by(|a, b| a.dot(&own).total_cmp(&b.dot(&own)))?)?;
-    let side = lies_along(&between);
-    let normal = side.copied().unwrap_or(between);
-    let point = *at.edge.iter().max_by(|a, b| a.dot(&normal).total_cmp(&b.dot(&normal)))?;
-    let gap = normal.dot(&(x - point));
-    let kept = if side.is_some() || gap > TOUCHES * size { 0.0 } else { gap };
-    (gap >= -DEEP * size).then(|| [point + normal * kept, normal])
-}
 
-/// True if a sharp edge of another body, which has constraints of its own against the facets of the node, passes a node of a smooth part of
-/// the surface that is not in front of the side to which it belongs. `facing`: unit vectors; other arguments as for [`plane_through`] and
-/// [`is_in_front`].
-pub fn is_passed<const D: usize>(
-    at: &AtEdge<D>,
-    around: impl Iterator<Item = SVector<f64, D>>,
-    facing: &[SVector<f64, D>],
-    x: SVector<f64, D>,
-    size: f64,
-) -> bool {
-    let bends = |normals: &[SVector<f64, D>], cosine: f64| normals.iter().any(|normal| normal.dot(&normals[0]) < cosine);
-    bends(&at.normals, CORNER_BESIDE_NODES) && !bends(facing, TIP) && plane_through(at, around, facing.iter().copied(), x, size).is_some()
+    /// True if a sharp edge of another body, which has constraints of its own against the facets of the node, passes a node of a smooth
+    /// part of the surface that is not in front of the side to which it belongs. The normals of the facets are unit vectors.
+    pub fn is_passed(&self) -> bool {
+        let bends = |normals: &[SVector<f64, D>], cosine: f64| normals.iter().any(|normal| normal.dot(&normals[0]) < cosine);
+        bends(&self.at.normals, CORNER_BESIDE_NODES) && !bends(&self.facing, TIP) && self.plane_through().is_some()
+    }
 }
 
 /// Unit vector nearest to `direction` among the nonnegative combinations of unit vectors: of the least-squares solutions of every set of up
@@ -152,8 +165,10 @@ mod tests {
         let edge = vec![Vector2::zeros()];
         let normals = vec![Vector2::new(-1.0, 0.0), Vector2::new(0.0, 1.0)];
         let (at, facing) = (AtEdge { points: vec![edge[0]; 2], normals, edge, distance: 0.0 }, Vector2::new(-0.6, 0.8));
-        let along = || [Vector2::new(0.8, 0.6), Vector2::new(-0.8, -0.6)].into_iter();
-        let plane = |depth: f64| plane_through(&at, along(), std::iter::once(facing), -depth * facing, 1.0);
-        assert!(plane(0.02).is_some() && plane(0.08).is_none());
+        let around = vec![Vector2::new(0.8, 0.6), Vector2::new(-0.8, -0.6)];
+        let mut node = NodeAtEdge { at, x: -0.02 * facing, around, facing: vec![facing], size: 1.0, is_beside_corners: true };
+        assert!(node.plane_through().is_some());
+        node.x = -0.08 * facing;
+        assert!(node.plane_through().is_none());
     }
 }

@@ -244,10 +244,6 @@ impl PatchFunctions for Geared {
     fn gap(&self, q: &[f64]) -> Vec<f64> {
         vec![self.value(&self.inner.gap(q))]
     }
-
-    fn coverage(&self, _q: &[f64]) -> Vec<f64> {
-        vec![1.0]
-    }
 }
 
 impl CandidateSearch for Geared {

@@ -65,10 +65,6 @@ impl PatchFunctions for JointSlip {
     fn gap(&self, _q: &[f64]) -> Vec<f64> {
         vec![0.0]
     }
-
-    fn coverage(&self, _q: &[f64]) -> Vec<f64> {
-        vec![1.0]
-    }
 }
 
 impl CandidateSearch for JointSlip {

@@ -29,6 +29,21 @@ pub enum Correction {
     PerNode,
 }
 
+/// Setting of a contact kernel; kernels without use for it ignore it.
+pub enum Setting<'a> {
+    /// Variant of the discrete gradient.
+    Correction(Correction),
+    /// Multipliers are pressure times circumference, for bodies of revolution about the second axis.
+    AboutAxis,
+    /// Height profiles of the facets of both sides in the plane.
+    Profiles([Vec<Profile>; 2]),
+    /// Edges and corners of the other side have constraints of their own against the facets of this contact, so that a node which an edge
+    /// passes needs none of its own (`edge_plane.rs`). Contacts by penalty, equalities and self-contact have none.
+    BesideCorners,
+    /// Threads for the evaluation of contact elements; results do not depend on their number.
+    Workers(&'a Workers),
+}
+
 /// Receiver of tangent blocks. Arguments: index of the contact element, and its block row by row, empty if the element has no pressure.
 pub type TangentSink<'a> = dyn FnMut(usize, &[f64]) + 'a;
 
@@ -42,6 +57,16 @@ pub trait PatchFunctions {
     /// Both surfaces, their measures, and the contact elements of the present candidates.
     fn sides(&self) -> &Sides;
 
+    /// Kernel that this one wraps: settings and queries independent of positions that a wrapper does not define are those of this kernel.
+    fn inner(&self) -> Option<&dyn ContactKernel> {
+        None
+    }
+
+    /// Mutable wrapped kernel, see [`Self::inner`].
+    fn inner_mut(&mut self) -> Option<&mut dyn ContactKernel> {
+        None
+    }
+
     /// Side with the multipliers; its node order is that of the constraints.
     fn secondary(&self) -> &Surface {
         &self.sides().secondary
@@ -54,18 +79,18 @@ pub trait PatchFunctions {
 
     /// Number of constraints per secondary node.
     fn rows_per_node(&self) -> usize {
-        1
+        self.inner().map_or(1, |inner| inner.rows_per_node())
     }
 
     /// True if each constraint is the gap of a node times its weight; false if it is an integral over the surface.
     fn is_nodal(&self) -> bool {
-        false
+        self.inner().is_some_and(|inner| inner.is_nodal())
     }
 
     /// Nodes to which the constraints belong, in their order: all secondary nodes, or none if the constraints belong to corners of an
     /// obstacle.
     fn row_nodes(&self) -> &[u32] {
-        self.secondary().nodes()
+        self.inner().map_or(self.secondary().nodes(), |inner| inner.row_nodes())
     }
 
     /// Node to which output at the positions `_q` assigns the multiplier of constraint `row`, if the constraint acts on nodes other than
@@ -81,8 +106,8 @@ pub trait PatchFunctions {
     }
 
     /// Nodes that the force of a constraint accelerates, if it is not the constraint's own node.
-    fn carriers(&self, _row: usize) -> &[u32] {
-        &[]
+    fn carriers(&self, row: usize) -> &[u32] {
+        self.inner().map_or(&[], |inner| inner.carriers(row))
     }
 
     /// Number of constraints.
@@ -98,7 +123,8 @@ pub trait PatchFunctions {
 
     /// True if the force of contact element `p` on `node` acts on the secondary side.
     fn owns(&self, p: usize, node: u32) -> bool {
-        self.patches().rows(p).iter().any(|&row| self.row_nodes().get(row as usize / self.rows_per_node()) == Some(&node))
+        let is_own = |row: u32| self.row_nodes().get(row as usize / self.rows_per_node()) == Some(&node);
+        self.inner().map_or_else(|| self.patches().rows(p).iter().any(|&row| is_own(row)), |inner| inner.owns(p, node))
     }
 
     /// Length `h` of the shortest secondary facet in the reference configuration `[length]`.
@@ -113,7 +139,7 @@ pub trait PatchFunctions {
 
     /// Upper bound of the bytes of the blocks of one evaluation.
     fn bytes(&self) -> u64 {
-        self.patches().bytes()
+        self.inner().map_or_else(|| self.patches().bytes(), |inner| inner.bytes())
     }
 
     /// Contact elements of the tangential constraints: one constraint per normal constraint in the plane, two in space.
@@ -127,21 +153,12 @@ pub trait PatchFunctions {
     /// Constraint functions at the start of the step.
     fn start_gap(&self) -> Vec<f64>;
 
-    /// Selects the variant of the discrete gradient; kernels without sums over elements ignore it.
-    fn set_correction(&mut self, _correction: Correction) {}
-
-    /// Redefines multipliers as pressure times circumference, for bodies of revolution about the second axis.
-    fn turn_about_axis(&mut self) {}
-
-    /// Sets the height profiles of the facets of both sides in the plane; ignored by methods for straight facets.
-    fn set_profiles(&mut self, _profiles: [Vec<Profile>; 2]) {}
-
-    /// States that edges and corners of the other side have constraints of their own against the facets of this contact, so that a node
-    /// which an edge passes needs none of its own (`edge_plane.rs`). Contacts by penalty, equalities and self-contact have none.
-    fn stand_beside_corners(&mut self) {}
-
-    /// Provides threads for the evaluation of contact elements; results do not depend on their number.
-    fn share_among(&mut self, _workers: &Workers) {}
+    /// Applies a setting.
+    fn set(&mut self, setting: Setting) {
+        if let Some(inner) = self.inner_mut() {
+            inner.set(setting);
+        }
+    }
 
     /// Values, gradients and tangent of a step that ends at `q_1`, into `out`; `lambda` has one multiplier per constraint.
     fn evaluate(&self, derivative: Derivative, q_1: &[f64], lambda: &[f64], out: &mut Evaluation);
@@ -169,11 +186,14 @@ pub trait PatchFunctions {
 
     /// Slack (admitted overlap) of each constraint in this step, relative to that of the pair.
     fn slacks(&self) -> Vec<f64> {
-        vec![1.0; self.weights().len()]
+        self.inner().map_or_else(|| vec![1.0; self.weights().len()], |inner| inner.slacks())
     }
 
-    /// Covered share of each secondary node's weight function, 0 to 1; the constraint function vanishes identically at 0.
-    fn coverage(&self, q: &[f64]) -> Vec<f64>;
+    /// Covered share of each secondary node's weight function, 0 to 1; the constraint function vanishes identically at 0. Constraints that
+    /// are always present are covered.
+    fn coverage(&self, _q: &[f64]) -> Vec<f64> {
+        vec![1.0; self.weights().len()]
+    }
 }
 
 /// Search for the contact elements of a step, and penetration of the candidates.
@@ -200,14 +220,16 @@ pub trait CandidateSearch: PatchFunctions {
 
     /// Visits the nodes of contact element `p` if it takes part in this step; elements that do not are candidates for later steps.
     fn for_each_participant(&self, p: usize, visit: &mut dyn FnMut(u32)) {
-        if self.search().is_none_or(|search| search.near[p]) {
+        if let Some(inner) = self.inner() {
+            inner.for_each_participant(p, visit);
+        } else if self.search().is_none_or(|search| search.near[p]) {
             self.patches().nodes(p).iter().copied().for_each(visit);
         }
     }
 
     /// Candidate facet pairs, the state that a method with a search keeps between steps.
     fn candidates(&self) -> Option<&Candidates> {
-        self.search().map(|search| &search.candidates)
+        self.inner().map_or_else(|| self.search().map(|search| &search.candidates), |inner| inner.candidates())
     }
 
     /// Restores earlier candidates of this pair, and the values that depend on the step start `q`.
@@ -221,7 +243,7 @@ pub trait CandidateSearch: PatchFunctions {
 
     /// Search for facet pairs; `None` for methods without facet pairs.
     fn search(&self) -> Option<&PairSearch> {
-        None
+        self.inner()?.search()
     }
 
     /// Mutable search for facet pairs, with both surfaces.
@@ -245,9 +267,13 @@ pub trait CandidateSearch: PatchFunctions {
 }
 
 /// Operations of a pair whose other side is a rigid obstacle; pairs of two surfaces use the default implementations.
-pub trait RigidObstacle {
+pub trait RigidObstacle: PatchFunctions {
     /// Sets the translations of the obstacle at the start, in the middle and at the end of the step `[length]`.
-    fn move_obstacle(&mut self, _translations: &[[f64; 3]; 3]) {}
+    fn move_obstacle(&mut self, translations: &[[f64; 3]; 3]) {
+        if let Some(inner) = self.inner_mut() {
+            inner.move_obstacle(translations);
+        }
+    }
 
     /// Sets the angles of an obstacle that turns about an axis, at the start and at the end of the step `[rad]`.
     fn turn_obstacle(&mut self, _angles: [f64; 2]) {}
@@ -261,11 +287,15 @@ pub trait RigidObstacle {
     /// Sets the motion of the obstacle's surface, relative to which friction measures slip: displacement in the step `[length]` and, for a
     /// round obstacle, rotation about its center `[rad]`. In a search for equilibrium: motion since the previous equilibrium, although the
     /// obstacle does not move.
-    fn carry(&mut self, _shift: [f64; 3], _angle: f64) {}
+    fn carry(&mut self, shift: [f64; 3], angle: f64) {
+        if let Some(inner) = self.inner_mut() {
+            inner.carry(shift, angle);
+        }
+    }
 
     /// Translation of the obstacle at the end of the step `[length]`.
     fn obstacle_translation(&self) -> [f64; 3] {
-        [0.0; 3]
+        self.inner().map_or([0.0; 3], |inner| inner.obstacle_translation())
     }
 
     /// Rotation and translation of the obstacle at the end of the step.

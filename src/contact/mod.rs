@@ -51,6 +51,7 @@ mod polygon_fit;
 mod profile;
 mod quadratic;
 mod rigid;
+mod rigid_contact;
 mod rigid_corners;
 mod rigid_shape;
 mod rollers;
@@ -81,7 +82,7 @@ pub use facet_shape::FacetShape;
 pub use friction::{Coulomb, FrictionCurve, FrictionLaw, Limit, ROUGH, SlipState};
 pub use geared::{CoordinateKind, Geared};
 pub use joint_slip::JointSlip;
-pub use kernel::{CandidateSearch, ContactKernel, Correction, PatchFunctions, RigidObstacle, TangentSink};
+pub use kernel::{CandidateSearch, ContactKernel, Correction, PatchFunctions, RigidObstacle, Setting, TangentSink};
 pub use method::{ContactMethod, MakeKernel};
 pub use methods::METHODS;
 pub use mortar::{DUAL_MORTAR, MORTAR, Mortar};
@@ -92,7 +93,8 @@ pub use points::{DrivenFunction, PointConstraints, PointFunction, PointVector};
 pub use polygon_fit::{PolygonFit, constant_strain_error, polygon_fit};
 pub use profile::Profile;
 pub use quadratic::{ProxyNodes, ProxySurfaces, RowsOf};
-pub use rigid::RigidContact;
+pub use rigid::{NodesOnObstacle, TouchingPoints};
+pub use rigid_contact::rigid_contact;
 pub use rigid_corners::RigidCorners;
 pub use rigid_shape::Obstacle;
 pub use rollers::RoundBody;
@@ -102,8 +104,8 @@ pub use search::{Candidates, PairSearch};
 pub use slip::SlipStep;
 pub use solid::{HullPenetration, Solid};
 pub use space::{
-    CornersInSpace, Facets, FacetsError, Mending, ObstacleInSpace, PressFit, ProxySurfacesInSpace, RigidInSpace, RoundInSpace, UnevenFit,
-    press_fit, uneven_fit,
+    CornersInSpace, Facets, FacetsError, Mending, ObstacleInSpace, PressFit, ProxySurfacesInSpace, RoundInSpace, UnevenFit, press_fit,
+    uneven_fit,
 };
 pub use surface::{Edge, Sides, Surface};
 pub use tie::Tie;

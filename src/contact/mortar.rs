@@ -7,14 +7,14 @@
 //! The discrete gradient is corrected in each pair. At vertices of both meshes that coincide at rest, kinks of neighboring pairs cancel in
 //! the sum, but not in their corrections. [`Correction::PerNode`] removes this at the price of coupling all pairs of a node.
 
-use super::kernel::{CandidateSearch, Correction, PatchFunctions, RigidObstacle};
+use super::kernel::{CandidateSearch, Correction, PatchFunctions, RigidObstacle, Setting};
 use super::method::ContactMethod;
 use super::multiplier_shapes::{DUAL, MultiplierFunctions, STANDARD, dual_around_axis};
 use super::numbers::Number;
 use super::pair::{Invariants, Offsets, Overlap, PerNode, invariants, offsets, overlaps, pull_back, slip_weights, tangent_into};
 use super::pair_step::{Differentiated, Functions, PairStart, combined, covered_length, dot, value, value_and_gradient};
 use super::patches::Evaluation;
-use super::profile::{PairProfiles, Profile};
+use super::profile::PairProfiles;
 use super::search::PairSearch;
 use super::slip::{self, SlipRows, SlipStep};
 use super::space::MortarInSpace;
@@ -199,21 +199,20 @@ impl PatchFunctions for Mortar {
         &self.sides
     }
 
+    fn set(&mut self, setting: Setting) {
+        match setting {
+            Setting::Correction(correction) => self.correction = correction,
+            Setting::AboutAxis => self.is_around_axis = true,
+            Setting::Profiles(profiles) => {
+                self.search.profiles = profiles;
+                self.pair_profiles = self.search.pair_profiles();
+            }
+            Setting::BesideCorners | Setting::Workers(_) => {}
+        }
+    }
+
     fn start_gap(&self) -> Vec<f64> {
         self.search.summed(&self.sides, self.start.iter().map(|start| start.value))
-    }
-
-    fn set_correction(&mut self, correction: Correction) {
-        self.correction = correction;
-    }
-
-    fn turn_about_axis(&mut self) {
-        self.is_around_axis = true;
-    }
-
-    fn set_profiles(&mut self, profiles: [Vec<Profile>; 2]) {
-        self.search.profiles = profiles;
-        self.pair_profiles = self.search.pair_profiles();
     }
 
     fn begin_step(&mut self, q_0: &[f64]) {
@@ -500,7 +499,7 @@ mod tests {
         {
             let Rings { inner, outer, q } = rings(40, 48, clearance);
             let mut mortar = if secondary_inside { Mortar::new(&inner, &outer, &q) } else { Mortar::new(&outer, &inner, &q) };
-            mortar.set_correction(if shared { Correction::PerNode } else { Correction::PerPatch });
+            mortar.set(Setting::Correction(if shared { Correction::PerNode } else { Correction::PerPatch }));
             let q_0 = turned(&q, 40, 0.3, 1e-3);
             let q_1 = turned(&q_0, 40, 0.4, 2e-3); // 2.5 facets
             assert!(mortar.update_candidates(&PredictedMotion::within(&q_0, 0.5)));

@@ -21,20 +21,18 @@
 //! with `F(phi) = G_1 - G_0`. The discrete gradient is that of the distance of this point: energy is exact, and the force has the
 //! symmetries of the obstacle like the force on a node.
 
-use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
+use nalgebra::{Matrix2, SMatrix, Vector2};
 
 use super::numbers::Number;
-use super::obstacle_side::{Local, ObstacleSide};
+use super::obstacle_side::{Distance, ObstacleSide, StepGradient};
 use super::profile::FacetCurves;
+use super::rigid::{NodeCurve, Row, RowGradient};
 use super::rigid_shape::PlaneOutline;
 use super::surface::Surface;
 use crate::math::tolerances::{PROJECTED_INCREMENT, REMAINDER};
 
 /// Positions of the own node, the node before and the node after.
-pub(super) type Nodes = [Vector2<f64>; 3];
-
-/// Coefficients of the positions of the three nodes in a point, and gradients with respect to these positions.
-pub(super) type Row = SVector<f64, 6>;
+type Nodes = [Vector2<f64>; 3];
 
 /// Least ratio of the curvature of an arc relative to an obstacle to its own curvature. Inside of a ring of nearly equal radius the nearest
 /// point is undetermined, and nodes touch instead.
@@ -62,18 +60,11 @@ pub(super) struct Nearest {
     /// Angle of the point on the arc `[rad]`.
     pub angle: f64,
     /// Signed distance, its gradient and its Hessian.
-    pub local: Local<2>,
+    pub local: Distance<2>,
     /// Gradient of the distance with respect to the positions of the nodes.
     pub gradient: Row,
     /// Derivative of the angle with respect to the positions of the nodes; zero at the ends of the arc.
     pub turn: Row,
-}
-
-/// Discrete gradient of a step and its derivative with respect to the end positions.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct ArcGradient {
-    pub bar: Row,
-    pub tangent: SMatrix<f64, 6, 6>,
 }
 
 /// `J v`: `v` turned to the left by a right angle.
@@ -200,31 +191,69 @@ impl NodeArc {
     }
 
     /// Second derivative of the distance with respect to the angle.
-    fn curvature(&self, local: &Local<2>, angle: f64, z: &Nodes) -> f64 {
+    fn curvature(&self, local: &Distance<2>, angle: f64, z: &Nodes) -> f64 {
         let along = self.along(angle, z);
         along.dot(&(local.curvature * along)) + local.normal.dot(&self.bent(angle, z))
     }
 
     /// Gradient, with respect to the positions of the nodes, of the derivative of the distance with respect to the angle.
-    fn gradient_of_rise(&self, local: &Local<2>, angle: f64, z: &Nodes) -> Row {
+    fn gradient_of_rise(&self, local: &Distance<2>, angle: f64, z: &Nodes) -> Row {
         pull(&self.shares_along(angle), local.normal) + pull(&self.shares(angle), local.curvature * self.along(angle, z))
     }
 
-    /// Gradient and Hessian of the gap at one configuration.
-    pub fn plain(&self, obstacle: &PlaneOutline, z: &Nodes, share: f64) -> ArcGradient {
-        let Nearest { angle, local, gradient, turn } = self.nearest(obstacle, z);
-        let tangent = squared(&self.shares(angle), &local.curvature) + self.gradient_of_rise(&local, angle, z) * turn.transpose();
-        ArcGradient { bar: gradient, tangent: tangent * share }
+    /// Coefficients `a_k` and `b_k` of the nearest point for nodes at `z` relative to the obstacle, with the derivatives of `T`.
+    pub fn shares_at<T: Number>(&self, obstacle: &PlaneOutline, z: &[[T; 2]; 3]) -> [[T; 2]; 3] {
+        let at = self.nearest(obstacle, &z.map(|x| Vector2::new(x[0].re(), x[1].re())));
+        let mut change = T::from(0.0);
+        for (k, turn) in at.turn.iter().enumerate() {
+            let x = z[k / 2][k % 2];
+            change += (x - x.re()) * *turn;
+        }
+        let (shares, along) = (self.shares(at.angle), self.shares_along(at.angle));
+        std::array::from_fn(|k| [0, 1].map(|i| change * along[k][i] + shares[k][i]))
     }
 
-    /// Discrete gradient of a step between the positions `z_0` and `z_1` relative to the obstacle; `size` is the facet size `[length]`.
-    pub fn between(&self, obstacle: &PlaneOutline, z_0: &Nodes, z_1: &Nodes, size: f64) -> ArcGradient {
+    /// Position of a point with these coefficients.
+    pub fn combined<T: Number>(shares: &[[T; 2]; 3], z: &[[T; 2]; 3]) -> [T; 2] {
+        let mut x = [T::from(0.0); 2];
+        for ([a, b], z) in shares.iter().zip(z) {
+            x[0] += *a * z[0] - *b * z[1];
+            x[1] += *a * z[1] + *b * z[0];
+        }
+        x
+    }
+}
+
+/// Positions of the own node, the node before and the node after.
+fn nodes_at(z: &[Vector2<f64>]) -> Nodes {
+    [z[0], z[1], z[2]]
+}
+
+impl NodeCurve<2, PlaneOutline> for NodeArc {
+    fn nodes(&self) -> &[usize] {
+        &self.nodes
+    }
+
+    fn nearest_to(&self, obstacle: &PlaneOutline, z: &[Vector2<f64>]) -> (Distance<2>, Row) {
+        let Nearest { local, gradient, .. } = self.nearest(obstacle, &nodes_at(z));
+        (local, gradient)
+    }
+
+    fn plain(&self, obstacle: &PlaneOutline, z: &[Vector2<f64>], share: f64) -> RowGradient {
+        let z = &nodes_at(z);
+        let Nearest { angle, local, gradient, turn } = self.nearest(obstacle, z);
+        let tangent = squared(&self.shares(angle), &local.curvature) + self.gradient_of_rise(&local, angle, z) * turn.transpose();
+        RowGradient { bar: gradient, tangent: tangent * share }
+    }
+
+    fn between(&self, obstacle: &PlaneOutline, z_0: &[Vector2<f64>], z_1: &[Vector2<f64>], size: f64) -> RowGradient {
+        let [z_0, z_1] = &[nodes_at(z_0), nodes_at(z_1)];
         let (start, end) = (self.nearest(obstacle, z_0), self.nearest(obstacle, z_1));
         let change = end.local.gap - start.local.gap;
         let at = |angle: f64| [z_0, z_1].map(|z| obstacle.at(self.point(angle, z)));
-        let error = |[before, after]: &[Local<2>; 2]| after.gap - before.gap - change;
+        let error = |[before, after]: &[Distance<2>; 2]| after.gap - before.gap - change;
         let mut angle = 0.5 * (start.angle + end.angle);
-        let rise = |[before, after]: &[Local<2>; 2], angle: f64| {
+        let rise = |[before, after]: &[Distance<2>; 2], angle: f64| {
             after.normal.dot(&self.along(angle, z_1)) - before.normal.dot(&self.along(angle, z_0))
         };
         let reach = size.max(self.point(angle, z_1).amax());
@@ -257,37 +286,13 @@ impl NodeArc {
             end.turn * 0.5
         };
         let [x_0, x_1] = [z_0, z_1].map(|z| self.point(angle, z));
-        let (normal, by_end) = obstacle.between(x_0, x_1, size);
+        let StepGradient { bar: normal, tangent: by_end } = obstacle.step_gradient(x_0, x_1, size);
         // The discrete gradients of planes and circles are symmetric in both points.
-        let (_, by_start) = obstacle.between(x_1, x_0, size);
+        let by_start = obstacle.step_gradient(x_1, x_0, size).tangent;
         let shares = self.shares(angle);
         let turned = by_start * self.along(angle, z_0) + by_end * self.along(angle, z_1);
         let by_angle = pull(&self.shares_along(angle), normal) + pull(&shares, turned);
-        ArcGradient { bar: pull(&shares, normal), tangent: squared(&shares, &by_end) + by_angle * turn.transpose() }
-    }
-}
-
-impl NodeArc {
-    /// Coefficients `a_k` and `b_k` of the nearest point for nodes at `z` relative to the obstacle, with the derivatives of `T`.
-    pub fn shares_at<T: Number>(&self, obstacle: &PlaneOutline, z: &[[T; 2]; 3]) -> [[T; 2]; 3] {
-        let at = self.nearest(obstacle, &z.map(|x| Vector2::new(x[0].re(), x[1].re())));
-        let mut change = T::from(0.0);
-        for (k, turn) in at.turn.iter().enumerate() {
-            let x = z[k / 2][k % 2];
-            change += (x - x.re()) * *turn;
-        }
-        let (shares, along) = (self.shares(at.angle), self.shares_along(at.angle));
-        std::array::from_fn(|k| [0, 1].map(|i| change * along[k][i] + shares[k][i]))
-    }
-
-    /// Position of a point with these coefficients.
-    pub fn combined<T: Number>(shares: &[[T; 2]; 3], z: &[[T; 2]; 3]) -> [T; 2] {
-        let mut x = [T::from(0.0); 2];
-        for ([a, b], z) in shares.iter().zip(z) {
-            x[0] += *a * z[0] - *b * z[1];
-            x[1] += *a * z[1] + *b * z[0];
-        }
-        x
+        RowGradient { bar: pull(&shares, normal), tangent: squared(&shares, &by_end) + by_angle * turn.transpose() }
     }
 }
 
@@ -318,7 +323,7 @@ mod tests {
 
     use super::super::fixtures::{dense_rows, difference, evaluated, product, tangent_along};
     use super::super::rigid_shape::Obstacle;
-    use super::super::{CandidateSearch, PatchFunctions, PredictedMotion, RigidContact, RigidObstacle, SlipStep};
+    use super::super::{ContactKernel, NodesOnObstacle, PredictedMotion, SlipStep, Surface, TouchingPoints, rigid_contact};
     use crate::integrators::{Configuration, Derivative};
 
     const COUNT: u32 = 20;
@@ -331,9 +336,10 @@ mod tests {
     }
 
     /// Disk on a moving obstacle, for a step that starts at `q_0`.
-    fn contact(obstacle: &Obstacle, radius: Option<f64>, q_0: &[f64], translations: &[[f64; 2]; 3]) -> RigidContact {
+    fn contact(obstacle: &Obstacle, radius: Option<f64>, q_0: &[f64], translations: &[[f64; 2]; 3]) -> Box<dyn ContactKernel> {
         let facets: Vec<[u32; 2]> = (0..COUNT).map(|k| [k, (k + 1) % COUNT]).collect();
-        let mut kernel = RigidContact::new(&facets, obstacle, &disk(0.0)).of_curve(&disk(0.0), radius);
+        let nodes = NodesOnObstacle { points: TouchingPoints::Arcs { radius }, ..Default::default() };
+        let mut kernel = rigid_contact(Surface::new(&facets), obstacle, &disk(0.0), nodes);
         kernel.move_obstacle(&translations.map(|[x, y]| [x, y, 0.0]));
         kernel.update_candidates(&PredictedMotion::within(q_0, 1.0));
         kernel.begin_step(q_0);
@@ -370,7 +376,7 @@ mod tests {
             })
     }
 
-    fn forces(kernel: &RigidContact, blocks: &[f64], lambda: &[f64]) -> Vec<f64> {
+    fn forces(kernel: &dyn ContactKernel, blocks: &[f64], lambda: &[f64]) -> Vec<f64> {
         let rows = dense_rows(kernel, blocks, UNKNOWNS);
         (0..UNKNOWNS).map(|k| rows.iter().zip(lambda).map(|(row, pressure)| pressure * row[k]).sum()).collect()
     }
@@ -384,8 +390,8 @@ mod tests {
         fn forces_do_the_work_of_the_gaps_and_keep_the_symmetries((q_0, q_1, lambda, translations) in step()) {
             for (obstacle, at_rest) in obstacles().iter().flat_map(|obstacle| [(obstacle, false), (obstacle, true)]) {
                 let translations = if at_rest { [[0.0; 2]; 3] } else { translations };
-                let kernel = contact(obstacle, None, &q_0, &translations);
-                let out = evaluated(&kernel, Derivative::DiscreteGradient, &q_1, &lambda);
+                let kernel = &*contact(obstacle, None, &q_0, &translations);
+                let out = evaluated(kernel, Derivative::DiscreteGradient, &q_1, &lambda);
                 let mut force = vec![0.0; UNKNOWNS];
                 let none = vec![0.0; COUNT as usize];
                 let by_motion = kernel.obstacle_force_into(Derivative::DiscreteGradient, &q_1, &none, &lambda, &mut force);
@@ -395,7 +401,7 @@ mod tests {
                 prop_assert!((work - by_gaps - by_motion).abs() < 1e-13, "{obstacle:?}: {work} {by_gaps} {by_motion}");
                 let gap = kernel.gap(&q_1);
                 prop_assert!(difference(&out.gap, &gap).iter().all(|error| error.abs() < 1e-15), "{obstacle:?}");
-                let blocks = forces(&kernel, &out.gradient_bar, &lambda);
+                let blocks = forces(kernel, &out.gradient_bar, &lambda);
                 prop_assert!(difference(&blocks, &force).iter().all(|error| error.abs() < 1e-14), "{obstacle:?}");
                 let sum = |i: usize| force.iter().skip(i).step_by(2).sum::<f64>();
                 match obstacle {
@@ -424,7 +430,7 @@ mod tests {
             // Differences of steps of 1e-6 are those of the corrections, which are not differentiable there to these digits.
             prop_assume!(difference(&q_1, &q_0).iter().any(|change| change.abs() > 1e-4));
             for obstacle in &obstacles() {
-                let kernel = contact(obstacle, None, &q_0, &translations);
+                let kernel = &*contact(obstacle, None, &q_0, &translations);
                 let moved = |size: f64| -> Vec<f64> { q_1.iter().zip(&direction).map(|(q, d)| q + size * d).collect() };
                 let quotient = |of: &dyn Fn(&[f64]) -> Vec<f64>, size: f64| -> Vec<f64> {
                     of(&moved(size)).iter().zip(of(&moved(-size))).map(|(a, b)| (a - b) / (2.0 * size)).collect()
@@ -438,10 +444,10 @@ mod tests {
                     Ok(())
                 };
                 for derivative in Derivative::ALL {
-                    let out = evaluated(&kernel, derivative, &q_1, &lambda);
-                    let gradients = dense_rows(&kernel, &out.gradient_end, UNKNOWNS);
+                    let out = evaluated(kernel, derivative, &q_1, &lambda);
+                    let gradients = dense_rows(kernel, &out.gradient_end, UNKNOWNS);
                     check(gradients.iter().map(|row| product(row, &direction)).collect(), &|q| kernel.gap(q), "gap")?;
-                    let force = |q: &[f64]| forces(&kernel, &evaluated(&kernel, derivative, q, &lambda).gradient_bar, &lambda);
+                    let force = |q: &[f64]| forces(kernel, &evaluated(kernel, derivative, q, &lambda).gradient_bar, &lambda);
                     check(tangent_along(kernel.patches(), &out.tangent, &direction), &force, &format!("{derivative:?}"))?;
                 }
             }
@@ -456,7 +462,7 @@ mod tests {
             for (obstacle, distance) in
                 obstacles().iter().zip([(0.3f64 * -0.2 + 1.0) / 1.09f64.sqrt() - 1.0, { 0.4f64.hypot(1.7) - 1.7 }, 1.2 - 0.1f64.hypot(1.2)])
             {
-                let kernel = contact(obstacle, Some(1.0), &disk(angle), &[[0.0; 2]; 3]);
+                let kernel = &*contact(obstacle, Some(1.0), &disk(angle), &[[0.0; 2]; 3]);
                 let gaps: Vec<f64> = kernel.gap(&disk(angle)).iter().zip(kernel.weights()).map(|(gap, weight)| gap / weight).collect();
                 let least = gaps.iter().copied().fold(f64::INFINITY, f64::min);
                 assert!((least - distance).abs() < 1e-14, "{obstacle:?} {angle}: {least} {distance}");
@@ -485,11 +491,11 @@ mod tests {
         let floor = Obstacle::HalfPlane { point: [0.0, -0.5], normal: [0.0, 1.0] };
         let mut q = disk(0.0);
         (0..COUNT as usize).for_each(|k| q[2 * k + 1] = q[2 * k + 1].max(-0.5));
-        let kernel = contact(&floor, None, &q, &[[0.0; 2]; 3]);
+        let kernel = &*contact(&floor, None, &q, &[[0.0; 2]; 3]);
         let flat: Vec<usize> = (0..COUNT as usize).filter(|k| q[2 * k + 1] == -0.5).collect();
         assert_eq!(flat.len(), 7);
-        let out = evaluated(&kernel, Derivative::AT_END, &q, &[1.0; COUNT as usize]);
-        let rows = dense_rows(&kernel, &out.gradient_end, UNKNOWNS);
+        let out = evaluated(kernel, Derivative::AT_END, &q, &[1.0; COUNT as usize]);
+        let rows = dense_rows(kernel, &out.gradient_end, UNKNOWNS);
         for &node in &flat[1..6] {
             assert!(out.gap[node].abs() < 1e-15);
             let expected = |k: usize| if k == 2 * node + 1 { kernel.weights()[node] } else { 0.0 };

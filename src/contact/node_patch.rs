@@ -184,13 +184,9 @@ pub fn gaps(sides: &Sides, starts: &[PointStart], q: &[f64]) -> Vec<f64> {
 
 /// Constraint functions at the start of the step.
 pub fn start_gaps(sides: &Sides, starts: &[PointStart]) -> Vec<f64> {
-    let mut gaps = vec![0.0; sides.weights.len()];
-    for (p, start) in starts.iter().enumerate() {
-        for (&row, measure) in sides.patches.rows(p).iter().zip(start.measures) {
-            gaps[row as usize] = sides.weights[row as usize] * measure.map_or(0.0, |measure| measure.gap);
-        }
-    }
-    gaps
+    let of_element = |(p, start): (usize, &PointStart)| sides.patches.rows(p).iter().zip(start.measures);
+    let measures = starts.iter().enumerate().flat_map(of_element);
+    sides.weighted(measures.map(|(&row, measure)| (row as usize, measure.map_or(0.0, |measure| measure.gap))))
 }
 
 /// Largest penetration of a covered point at `q` `[length]`.

@@ -16,8 +16,8 @@ use nalgebra::Vector2;
 use super::bends::Bends;
 use super::chain::{Chain, Line, Measure};
 use super::depth::NodePosition;
-use super::edge_plane::{self, ACROSS_EDGE};
-use super::kernel::{CandidateSearch, PatchFunctions, RigidObstacle};
+use super::edge_plane::{ACROSS_EDGE, NodeAtEdge};
+use super::kernel::{CandidateSearch, PatchFunctions, RigidObstacle, Setting};
 use super::method::ContactMethod;
 use super::node_patch::{self, PointStart};
 use super::patches::Evaluation;
@@ -317,10 +317,9 @@ impl NodeToSegment {
     fn is_passed(&self, point: usize, measure: &Measure, start: &PointStart, q: &[f64]) -> bool {
         let (size, Some(tip)) = (self.sides.facet_size, self.tip(point, q)) else { return false };
         let Some(at) = start.chain.at_corner(measure, &start.positions, ACROSS_EDGE * size) else { return false };
-        let around = [tip.before, tip.after].map(|node| Vector2::from(node) - Vector2::from(tip.at)).into_iter();
-        let facing: Vec<Vector2<f64>> =
-            self.sides.secondary.normals_at(point, q).into_iter().map(|normal| -Vector2::from(normal)).collect();
-        edge_plane::is_passed(&at, around, &facing, tip.at.into(), size)
+        let around = [tip.before, tip.after].map(|node| Vector2::from(node) - Vector2::from(tip.at)).to_vec();
+        let facing = self.sides.secondary.normals_at(point, q).into_iter().map(|normal| -Vector2::from(normal)).collect();
+        NodeAtEdge { at, x: tip.at.into(), around, facing, size, is_beside_corners: true }.is_passed()
     }
 
     /// Corner at a secondary node, with both adjacent nodes.
@@ -335,6 +334,21 @@ impl NodeToSegment {
     /// True if a corner is too deep for a constraint: the facets belong to the far side of the body, or to an initial overlap.
     fn is_overlapped(&self, start: &PointStart) -> bool {
         self.corners.is_some() && start.measures.iter().flatten().any(|measure| measure.gap <= -OVERLAP_OF_SURFACES * self.sides.facet_size)
+    }
+
+    /// Sets the height profiles of the facets of both sides.
+    fn set_profiles(&mut self, [secondary, primary]: [Vec<Profile>; 2]) {
+        let surface = &self.sides.secondary;
+        let mean_height = |node: usize| {
+            let facets = surface.adjacent_facets(node);
+            let height = |&facet: &u32| {
+                let end = if surface.local_facets()[facet as usize][0] as usize == node { 0.0 } else { 1.0 };
+                surface.facet_measure(facet as usize, &self.reference) * secondary[facet as usize].at(end)[0]
+            };
+            facets.iter().map(height).sum::<f64>() / facets.len() as f64
+        };
+        self.own_heights = (0..surface.nodes().len()).map(mean_height).collect();
+        self.profiles = primary;
     }
 }
 
@@ -355,6 +369,14 @@ impl PatchFunctions for NodeToSegment {
         &self.sides
     }
 
+    fn set(&mut self, setting: Setting) {
+        match setting {
+            Setting::Profiles(profiles) => self.set_profiles(profiles),
+            Setting::BesideCorners => self.is_beside_corners = true,
+            Setting::AboutAxis | Setting::Correction(_) | Setting::Workers(_) => {}
+        }
+    }
+
     fn is_nodal(&self) -> bool {
         true
     }
@@ -367,20 +389,6 @@ impl PatchFunctions for NodeToSegment {
         self.points.nodes()
     }
 
-    fn set_profiles(&mut self, [secondary, primary]: [Vec<Profile>; 2]) {
-        let surface = &self.sides.secondary;
-        let mean_height = |node: usize| {
-            let facets = surface.adjacent_facets(node);
-            let height = |&facet: &u32| {
-                let end = if surface.local_facets()[facet as usize][0] as usize == node { 0.0 } else { 1.0 };
-                surface.facet_measure(facet as usize, &self.reference) * secondary[facet as usize].at(end)[0]
-            };
-            facets.iter().map(height).sum::<f64>() / facets.len() as f64
-        };
-        self.own_heights = (0..surface.nodes().len()).map(mean_height).collect();
-        self.profiles = primary;
-    }
-
     fn start_gap(&self) -> Vec<f64> {
         node_patch::start_gaps(&self.sides, &self.start)
     }
@@ -391,10 +399,6 @@ impl PatchFunctions for NodeToSegment {
             self.sides.patches.rows(p).iter().for_each(|&row| slacks[row as usize] = start.slack);
         }
         slacks
-    }
-
-    fn stand_beside_corners(&mut self) {
-        self.is_beside_corners = true;
     }
 
     fn begin_step(&mut self, q_0: &[f64]) {

@@ -8,14 +8,13 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Mutex, PoisonError};
 
 use super::combinations::Combinations;
-use super::kernel::{CandidateSearch, ContactKernel, Correction, PatchFunctions, RigidObstacle, TangentSink};
+use super::kernel::{CandidateSearch, ContactKernel, PatchFunctions, RigidObstacle, TangentSink};
 use super::patches::{Evaluation, Patches};
-use super::search::{Candidates, PairSearch};
+use super::search::Candidates;
 use super::slip::SlipStep;
 use super::surface::Sides;
-use super::window::{MotionBound, PredictedMotion};
+use super::window::{MappedMotion, PredictedMotion};
 use crate::integrators::Derivative;
-use crate::math::workers::Workers;
 
 /// Contact method on points (the inner method), presented as a method on the nodes.
 pub(super) struct OnCurves {
@@ -129,6 +128,11 @@ impl OnCurves {
     /// Positions `P q` of the points.
     fn proxies(&self, q: &[f64]) -> Vec<f64> {
         self.points.points(self.sides.patches.dimension(), q)
+    }
+
+    /// Predicted motion of the points.
+    fn motion<'a>(&self, of_nodes: &PredictedMotion<'a>) -> MappedMotion<'a> {
+        of_nodes.mapped(self.proxies(of_nodes.q), |sizes| self.points.bounds(sizes), |u| self.proxies(u))
     }
 
     /// Sums `S^T values` of inner values, per outer constraint.
@@ -253,33 +257,17 @@ fn place(list: &mut Vec<u32>, item: u32) -> u32 {
     }) as u32
 }
 
-/// Calls `then` with the predicted motion of the points instead of that of the nodes.
-fn with_seen<T>(points: &Combinations, d: usize, predicted_motion: &PredictedMotion, then: impl FnOnce(&PredictedMotion) -> T) -> T {
-    let q = points.points(d, predicted_motion.q);
-    match predicted_motion.motion_bound {
-        MotionBound::UpTo(_) => then(&PredictedMotion { q: &q, ..*predicted_motion }),
-        MotionBound::Each { sizes, besides } => {
-            let sizes = points.bounds(sizes);
-            then(&PredictedMotion { q: &q, motion_bound: MotionBound::Each { sizes: &sizes, besides }, ..*predicted_motion })
-        }
-        MotionBound::Guessed { displacements, factor } => {
-            let [a, b] = displacements.map(|u| points.points(d, u));
-            then(&PredictedMotion { q: &q, motion_bound: MotionBound::Guessed { displacements: [&a, &b], factor }, ..*predicted_motion })
-        }
-    }
-}
-
 impl PatchFunctions for OnCurves {
     fn sides(&self) -> &Sides {
         &self.sides
     }
 
-    fn rows_per_node(&self) -> usize {
-        self.inner.rows_per_node()
+    fn inner(&self) -> Option<&dyn ContactKernel> {
+        Some(&*self.inner)
     }
 
-    fn is_nodal(&self) -> bool {
-        self.inner.is_nodal()
+    fn inner_mut(&mut self) -> Option<&mut dyn ContactKernel> {
+        Some(&mut *self.inner)
     }
 
     fn row_nodes(&self) -> &[u32] {
@@ -299,22 +287,6 @@ impl PatchFunctions for OnCurves {
 
     fn start_gap(&self) -> Vec<f64> {
         self.gathered(&self.inner.start_gap())
-    }
-
-    fn set_correction(&mut self, correction: Correction) {
-        self.inner.set_correction(correction);
-    }
-
-    fn turn_about_axis(&mut self) {
-        self.inner.turn_about_axis();
-    }
-
-    fn stand_beside_corners(&mut self) {
-        self.inner.stand_beside_corners();
-    }
-
-    fn share_among(&mut self, workers: &Workers) {
-        self.inner.share_among(workers);
     }
 
     fn bytes(&self) -> u64 {
@@ -369,8 +341,8 @@ impl PatchFunctions for OnCurves {
 
 impl CandidateSearch for OnCurves {
     fn update_candidates(&mut self, predicted_motion: &PredictedMotion) -> bool {
-        let d = self.sides.patches.dimension();
-        let changed = with_seen(&self.points, d, predicted_motion, |predicted_motion| self.inner.update_candidates(predicted_motion));
+        let motion = self.motion(predicted_motion);
+        let changed = self.inner.update_candidates(&motion.of_points());
         if changed {
             self.list();
         }
@@ -378,7 +350,7 @@ impl CandidateSearch for OnCurves {
     }
 
     fn margin(&self, predicted_motion: &PredictedMotion) -> f64 {
-        with_seen(&self.points, self.sides.patches.dimension(), predicted_motion, |predicted_motion| self.inner.margin(predicted_motion))
+        self.inner.margin(&self.motion(predicted_motion).of_points())
     }
 
     fn overlooks(&self, q_0: &[f64], q_1: &[f64], tolerance: f64) -> bool {
@@ -390,17 +362,9 @@ impl CandidateSearch for OnCurves {
         self.members[p].iter().for_each(|member| self.inner.for_each_participant(member.patch, &mut parts));
     }
 
-    fn candidates(&self) -> Option<&Candidates> {
-        self.inner.candidates()
-    }
-
     fn restore_candidates(&mut self, candidates: &Candidates, q: &[f64]) {
         self.inner.restore_candidates(candidates, &self.proxies(q));
         self.list();
-    }
-
-    fn search(&self) -> Option<&PairSearch> {
-        self.inner.search()
     }
 
     fn deepest(&self, q: &[f64]) -> f64 {
@@ -413,18 +377,6 @@ impl CandidateSearch for OnCurves {
 }
 
 impl RigidObstacle for OnCurves {
-    fn move_obstacle(&mut self, translations: &[[f64; 3]; 3]) {
-        self.inner.move_obstacle(translations);
-    }
-
-    fn carry(&mut self, shift: [f64; 3], angle: f64) {
-        self.inner.carry(shift, angle);
-    }
-
-    fn obstacle_translation(&self) -> [f64; 3] {
-        self.inner.obstacle_translation()
-    }
-
     fn passage(&self, q_1: &[f64]) -> [f64; 2] {
         self.inner.passage(&self.proxies(q_1))
     }

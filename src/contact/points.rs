@@ -264,10 +264,6 @@ impl PatchFunctions for PointConstraints {
     fn gap(&self, q: &[f64]) -> Vec<f64> {
         self.values(q, |group| &group.functions)
     }
-
-    fn coverage(&self, _q: &[f64]) -> Vec<f64> {
-        vec![1.0; self.sides.weights.len()]
-    }
 }
 
 impl CandidateSearch for PointConstraints {

@@ -28,7 +28,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::combinations::Combinations;
 use super::exact::ExactShape;
 use super::facet_shape::FacetShape;
-use super::kernel::ContactKernel;
+use super::kernel::{ContactKernel, Setting};
 use super::on_curves::OnCurves;
 use super::profile::{FacetCurves, Profile};
 use super::surface::{Sides, Surface};
@@ -172,7 +172,7 @@ impl ProxySurfaces<'_> {
     /// Transforms a contact method for the facets between points to the nodes of the model.
     pub fn on_nodes(self, mut kernel: Box<dyn ContactKernel>) -> Box<dyn ContactKernel> {
         if !self.profiles[0].is_empty() {
-            kernel.set_profiles(self.profiles);
+            kernel.set(Setting::Profiles(self.profiles));
         }
         let Some((curves, mut sides, rows)) = self.on_curves else { return kernel };
         if rows == RowsOf::Nodes || kernel.row_nodes().is_empty() {

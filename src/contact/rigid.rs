@@ -1,388 +1,364 @@
-//! Contact of a surface in the plane with a rigid obstacle (half plane, disk, ring, polyline): one multiplier per secondary node.
+//! Contact of the nodes of a surface with a rigid obstacle (`rigid_shape.rs`, `space/obstacle.rs`), in the plane and in space.
 //!
 //! The gap of a node is its signed distance `g` from the obstacle, `Phi_A = w_A g(x_A - u(t))` with the obstacle's translation `u`. With
-//! `r_k = x_k - u_k` the discrete gradient satisfies `Gbar.(r_1 - r_0) = g(r_1) - g(r_0)`:
+//! `r_k = x_k - u_k` the discrete gradient satisfies `Gbar.(r_1 - r_0) = g(r_1) - g(r_0)`, see the shapes. The contact forces do the work
+//! `sum lambda_A (Phi_A(1) - Phi_A(0))`; a moving obstacle does the further work `sum lambda_A Gbar_A.(u_1 - u_0)`, which the ledger counts
+//! as work of loads. A round obstacle may rotate about its axis, which affects friction only; obstacles that turn: `turning.rs`.
 //!
-//! ```text
-//! half plane   n                                      the force on a plane has one direction: momentum along it is kept
-//! disk, ring   +-(r_0 + r_1)/(|r_0| + |r_1|)          through the invariant r.r: parallel to r_mid, the moment about the center is zero
-//! polyline     n_mid + (g_1 - g_0 - n_mid.dr)/dr.dr dr
-//! ```
-//!
-//! (Gonzalez, CMAME 190, 2000). The contact forces do the work `sum lambda_A (Phi_A(1) - Phi_A(0))`; a moving obstacle does the further
-//! work `sum lambda_A Gbar_A.(u_1 - u_0)`, which the ledger counts as work of loads. Obstacles that turn: `turning.rs`.
+//! A node has one constraint, or three for obstacles with pockets: for the side nearest at the start of the step, and for up to two sides
+//! that adjoin it across re-entrant edges. The shape of each constraint is fixed within a step: a plane replaces the obstacle for nodes
+//! that start at a sharp edge (`edge_plane.rs`). Otherwise the step may have no solution: one side pushes the node past the edge, and
+//! without this force the node returns. On convex curves in the plane the nearest point of an arc touches in place of the node
+//! (`node_arcs.rs`).
 
-use nalgebra::Vector2;
+use nalgebra::{SMatrix, SVector};
 
-use super::edge_plane::{self, ACROSS_EDGE};
-use super::kernel::{CandidateSearch, PatchFunctions, RigidObstacle};
-use super::node_arcs::{ArcGradient, Nearest, NodeArc, Nodes, node_arcs};
-use super::numbers::Number;
+use super::edge_plane::{ACROSS_EDGE, NodeAtEdge};
+use super::kernel::{CandidateSearch, PatchFunctions, RigidObstacle, Setting};
+use super::obstacle_side::{Distance, ObstacleSide, StepGradient};
 use super::patches::Evaluation;
-use super::rigid_shape::{Distance, Obstacle, PlaneOutline, StepGradient};
-use super::slip::{self, Carrier, SlipRows, SlipStep};
-use super::surface::Sides;
+use super::slip::{SlipStep, Slips};
+use super::surface::{Sides, Surface};
 use crate::integrators::{Configuration, Derivative};
 use crate::math::tolerances::CROSSING;
 
-/// Distance from a convex corner of a polyline, in shortest facets, within which a node keeps to one side in a step.
-const AT_CORNER: f64 = 0.02;
+/// Distance from a further side of an obstacle, in smallest facets, within which a node has a constraint against this side.
+const IN_POCKET: f64 = 1.0;
 
-/// Unknowns of an arc: positions of three nodes.
+/// Largest number of unknowns of a constraint: positions of the three nodes of an arc in the plane.
 const UNKNOWNS: usize = 6;
 
-/// Contact of a surface with a rigid obstacle.
+/// Gradient of a constraint with respect to the positions of its nodes; zero beyond their unknowns.
+pub(super) type Row = SVector<f64, UNKNOWNS>;
+
+/// Algorithmic gradient of a constraint, and its derivative with respect to the end positions.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct RowGradient {
+    pub bar: Row,
+    pub tangent: SMatrix<f64, UNKNOWNS, UNKNOWNS>,
+}
+
+/// Curve of a surface about a node, whose point nearest to an obstacle of the shape `S` touches it in place of the node. Positions `z` are
+/// those of [`NodeCurve::nodes`], relative to the obstacle.
+pub(super) trait NodeCurve<const D: usize, S>: Clone + Send + Sync {
+    /// Indices of the nodes on whose positions the curve depends, first that of its own node.
+    fn nodes(&self) -> &[usize];
+    /// Distance of the nearest point, and its gradient with respect to the positions of the nodes.
+    fn nearest_to(&self, obstacle: &S, z: &[SVector<f64, D>]) -> (Distance<D>, Row);
+    /// Gradient at one configuration, and `share` times its derivative.
+    fn plain(&self, obstacle: &S, z: &[SVector<f64, D>], share: f64) -> RowGradient;
+    /// Discrete gradient of a step between two configurations; `size` is the facet size `[length]`.
+    fn between(&self, obstacle: &S, z_0: &[SVector<f64, D>], z_1: &[SVector<f64, D>], size: f64) -> RowGradient;
+}
+
+/// Points of a surface in the plane that touch obstacles.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum TouchingPoints {
+    /// The nodes.
+    #[default]
+    Nodes,
+    /// On convex curves the nearest points of arcs; `radius` is that of the exact shape of the surface, if it is known.
+    Arcs {
+        /// Radius `[length]`.
+        radius: Option<f64>,
+    },
+}
+
+/// Properties of the nodes of a surface in contact with an obstacle.
+#[derive(Clone, Debug, Default)]
+pub struct NodesOnObstacle {
+    /// True for nodes without constraints: those inside of round parts of a rigid body, which `rolling.rs` constrains instead. Empty: none.
+    pub is_hidden: Vec<bool>,
+    /// Tributary measures of the nodes in place of those of the facets, in ascending node order `[length^(D-1)]`.
+    pub weights: Option<Vec<f64>>,
+    /// Height of the curved surface in space over each node `[length]`. Empty: zero.
+    pub heights: Vec<f64>,
+    /// Points that touch.
+    pub points: TouchingPoints,
+}
+
+/// Contact of the nodes of a surface with a rigid obstacle of the shape `S`; `C` is the type of curves that touch in place of nodes.
 #[derive(Clone, Debug)]
-pub struct RigidContact {
-    sides: Sides,
-    shape: PlaneOutline,
-    translations: [[f64; 2]; 3],
-    /// Displacement `[length]` and rotation angle `[rad]` of the obstacle's surface in the step, relative to which slip is measured.
-    carried: ([f64; 2], f64),
-    start: Vec<[f64; 2]>,
-    /// Arcs of the nodes on convex curves, which touch instead of the nodes.
-    arcs: Vec<Option<NodeArc>>,
-    /// True if the corners of a polyline have constraints of their own against the facets.
-    is_beside_corners: bool,
-    /// True for nodes without constraints: those inside of round parts of a rigid body, which `rolling.rs` constrains instead.
+pub(super) struct RigidContact<const D: usize, S, C> {
+    pub sides: Sides,
+    pub shape: S,
+    /// Number of constraints of each node.
+    slots: usize,
+    heights: Vec<f64>,
     is_hidden: Vec<bool>,
-    /// For nodes that start at a convex corner of a polyline: the straight line of their side, or one through the corner (`edge_plane.rs`),
-    /// which replaces the obstacle in this step. Otherwise the step may have no solution: one side pushes the node past the corner, and
-    /// without this force the node returns.
-    lines: Vec<Option<PlaneOutline>>,
+    curves: Vec<Option<C>>,
+    /// Nodes connected to each node by an edge.
+    neighbors: Vec<Vec<usize>>,
+    /// True if sharp edges of the obstacle have constraints of their own against the facets.
+    is_beside_corners: bool,
+    pub translations: [[f64; 3]; 3],
+    /// Displacement `[length]` and rotation angle `[rad]` of the obstacle's surface in the step, relative to which slip is measured.
+    pub carried: ([f64; 3], f64),
+    start: Vec<SVector<f64, D>>,
+    /// Shape from which the gap of each constraint is measured in this step; `None` for absent constraints.
+    obstacle_sides: Vec<Option<S>>,
 }
 
-impl RigidContact {
-    /// Contact of a surface (facets in model node numbers, the body on the left) with an obstacle, sized in the reference positions.
-    pub fn new(secondary: &[[u32; 2]], obstacle: &Obstacle, reference: &[f64]) -> Self {
-        let mut sides = Sides::new(secondary, &[], reference);
-        // Every node is opposite the obstacle, so that the list of contact elements never changes.
-        for (row, &node) in (0u32..).zip(sides.secondary.nodes()) {
-            sides.patches.push(&[node], &[row]);
+impl<const D: usize, S: ObstacleSide<D>, C: NodeCurve<D, S>> RigidContact<D, S, C> {
+    /// Contact of a surface with an obstacle, sized in the reference positions; `curves` are those of nodes, empty if no node has one.
+    pub fn new(surface: Surface, shape: S, reference: &[f64], nodes: NodesOnObstacle, curves: Vec<Option<C>>) -> Self {
+        let (slots, count) = (shape.sides_of_node(), surface.nodes().len());
+        let mut sides = Sides::of(surface, if D == 2 { Surface::new(&[]) } else { Surface::in_space([]) }, reference);
+        let weights = nodes.weights.as_ref().unwrap_or(&sides.weights);
+        sides.weights = weights.iter().flat_map(|&weight| std::iter::repeat_n(weight, slots)).collect();
+        let mut neighbors = vec![Vec::new(); count];
+        for [a, b] in sides.secondary.edges().iter().map(|edge| edge.nodes) {
+            if let (Some(a), Some(b)) = (sides.secondary.index(a), sides.secondary.index(b)) {
+                neighbors[a].push(b);
+                neighbors[b].push(a);
+            }
         }
-        let nodes = sides.secondary.nodes().iter();
-        let start = nodes.map(|&node| [reference[2 * node as usize], reference[2 * node as usize + 1]]).collect();
-        let lines = vec![None; sides.weights.len()];
-        let sides_count = sides.weights.len();
-        let is_hidden = vec![false; sides_count];
-        RigidContact {
+        let mut contact = RigidContact {
             sides,
-            shape: PlaneOutline::new(obstacle),
-            translations: [[0.0; 2]; 3],
-            carried: Default::default(),
-            start,
-            arcs: vec![None; sides_count],
+            shape,
+            slots,
+            heights: if nodes.heights.is_empty() { vec![0.0; count] } else { nodes.heights },
+            is_hidden: if nodes.is_hidden.is_empty() { vec![false; count] } else { nodes.is_hidden },
+            curves,
+            neighbors,
             is_beside_corners: false,
-            is_hidden,
-            lines,
-        }
-    }
-
-    /// Lets nodes on convex curves touch with the nearest point of their arc; `radius` is that of the exact shape of the surface, if it is
-    /// known.
-    pub fn of_curve(mut self, reference: &[f64], radius: Option<f64>) -> Self {
-        let surface = &self.sides.secondary;
-        self.arcs = node_arcs(surface, reference, radius, &self.shape);
-        self.sides.patches.clear();
-        for (index, arc) in self.arcs.iter().enumerate() {
-            let nodes: Vec<u32> = match arc {
-                Some(arc) if !self.is_hidden[index] => arc.nodes.iter().map(|&node| surface.nodes()[node]).collect(),
-                _ => vec![surface.nodes()[index]],
+            translations: [[0.0; 3]; 3],
+            carried: ([0.0; 3], 0.0),
+            start: Vec::new(),
+            obstacle_sides: Vec::new(),
+        };
+        // Every node is opposite the obstacle, so that the list of contact elements never changes.
+        for index in 0..count {
+            let rows: Vec<u32> = (slots * index..slots * (index + 1)).map(|row| row as u32).collect();
+            let nodes: Vec<u32> = match contact.curve(index) {
+                Some(curve) => curve.nodes().iter().map(|&node| contact.sides.secondary.nodes()[node]).collect(),
+                None => vec![contact.sides.secondary.nodes()[index]],
             };
-            self.sides.patches.push(&nodes, &[index as u32]);
+            contact.sides.patches.push(&nodes, &rows);
         }
-        self
+        if D == 3 {
+            contact.sides.list_slips();
+        }
+        contact.begin(reference);
+        contact
     }
 
-    /// Outline from which the gap of constraint `row` is measured in this step.
-    fn obstacle_side(&self, row: usize) -> &PlaneOutline {
-        self.lines[row].as_ref().unwrap_or(&self.shape)
+    /// Curve that touches in place of a node.
+    pub fn curve(&self, index: usize) -> Option<&C> {
+        self.curves.get(index)?.as_ref().filter(|_| !self.is_hidden[index])
     }
 
-    /// Half plane in place of the obstacle for a node that starts the step at a convex corner.
-    fn line_at_corner(&self, row: usize, q_0: &[f64]) -> Option<PlaneOutline> {
-        let (surface, size) = (&self.sides.secondary, self.sides.facet_size);
-        let x = self.position(row, q_0, self.translations[0]);
-        let at = self.shape.at_corner(x, ACROSS_EDGE * size)?;
-        let adjacent = surface.adjacent_facets(row).iter().map(|&facet| facet as usize);
-        let others =
-            adjacent.clone().flat_map(|facet| surface.local_facets()[facet]).map(|other| other as usize).filter(|&other| other != row);
-        let around = others.map(|other| Vector2::from(self.position(other, q_0, self.translations[0])) - Vector2::from(x));
-        let facing = adjacent.map(|facet| -Vector2::from_column_slice(&surface.outward(facet, q_0)));
-        let through_corner = edge_plane::plane_through(&at, around, facing, x.into(), size).filter(|_| self.is_beside_corners);
-        let plane = through_corner.or_else(|| (at.distance <= AT_CORNER * size).then(|| [at.points[0], at.normals[0]]));
-        plane.map(|[point, normal]| PlaneOutline::HalfPlane { point: point.into(), normal: normal.into() })
+    /// Nodes with constraints.
+    fn nodes_there(&self) -> impl Iterator<Item = usize> {
+        (0..self.start.len()).filter(|&index| !self.is_hidden[index])
     }
 
-    /// Removes the constraints of the given nodes (model numbers).
-    pub fn without(mut self, nodes: &[u32]) -> Self {
-        nodes.iter().filter_map(|&node| self.sides.secondary.index(node)).for_each(|row| self.is_hidden[row] = true);
-        self
-    }
-
-    /// Indices of the nodes with constraints.
-    fn rows_there(&self) -> impl Iterator<Item = usize> {
-        (0..self.sides.patches.len()).filter(|&row| !self.is_hidden[row])
-    }
-
-    /// Replaces the tributary lengths of the nodes, in ascending node order `[length]`.
-    pub fn with_weights(mut self, weights: Vec<f64>) -> Self {
-        self.sides.weights = weights;
-        self
-    }
-
-    /// Position of node `row` relative to the obstacle displaced by `translation`.
-    fn position(&self, row: usize, q: &[f64], translation: [f64; 2]) -> [f64; 2] {
-        let node = 2 * self.sides.secondary.nodes()[row] as usize;
-        [q[node] - translation[0], q[node + 1] - translation[1]]
-    }
-
-    /// Algorithmic gradient of a step, and its derivative, for node `row`, without weight.
-    fn step_gradient(&self, derivative: Derivative, row: usize, q_1: &[f64]) -> StepGradient {
-        let [start, middle, end] = self.translations;
-        match derivative {
-            Derivative::DiscreteGradient => {
-                let x_0 = [self.start[row][0] - start[0], self.start[row][1] - start[1]];
-                self.obstacle_side(row).step_gradient(x_0, self.position(row, q_1, end), self.sides.facet_size)
+    /// Begins a step at the positions `q_0`: selects the shape from which the gap of each constraint is measured.
+    fn begin(&mut self, q_0: &[f64]) {
+        self.start = (0..self.sides.patches.len()).map(|index| self.position(index, q_0)).collect();
+        let mut obstacle_sides = vec![None; self.sides.weights.len()];
+        for index in self.nodes_there() {
+            let of_node = &mut obstacle_sides[self.slots * index..self.slots * (index + 1)];
+            let pocket = self.shape.pocket(self.begins(index), IN_POCKET * self.sides.facet_size);
+            if pocket.is_empty() {
+                of_node[0] = Some(self.plane_at_edge(index, q_0).unwrap_or_else(|| self.shape.clone()));
             }
-            Derivative::Gradient(at @ Configuration::Middle) => {
-                let x_1 = self.position(row, q_1, [0.0; 2]);
-                self.plain(row, std::array::from_fn(|i| 0.5 * (self.start[row][i] + x_1[i]) - middle[i]), at)
-            }
-            Derivative::Gradient(at @ Configuration::End) => self.plain(row, self.position(row, q_1, end), at),
+            of_node.iter_mut().zip(pocket).for_each(|(obstacle_side, side)| *obstacle_side = Some(side));
         }
+        self.obstacle_sides = obstacle_sides;
     }
 
-    /// Gradient and its derivative for node `row` at the point `x` of a configuration of the step.
-    fn plain(&self, row: usize, x: [f64; 2], at: Configuration) -> StepGradient {
-        StepGradient {
-            bar: self.obstacle_side(row).distance(x).map_or([0.0; 2], |distance| distance.normal),
-            tangent: self.obstacle_side(row).curvature(x).map(|row| row.map(|h| at.share() * h)),
+    /// Plane in place of an obstacle near whose sharp edge a node starts the step.
+    fn plane_at_edge(&self, index: usize, q_0: &[f64]) -> Option<S> {
+        let (surface, size, x) = (&self.sides.secondary, self.sides.facet_size, self.begins(index));
+        let at = self.shape.at_edge(x, ACROSS_EDGE * size)?;
+        let around = self.neighbors[index].iter().map(|&other| self.start[other] - self.start[index]).collect();
+        let facets = surface.adjacent_facets(index).iter();
+        let facing = facets.map(|&facet| -SVector::from_column_slice(&surface.outward(facet as usize, q_0))).collect();
+        self.shape.plane_at_edge(&NodeAtEdge { at, x, around, facing, size, is_beside_corners: self.is_beside_corners })
+    }
+
+    /// Translation of the obstacle at the start (0), in the middle (1) or at the end (2) of the step.
+    pub fn moved(&self, time: usize) -> SVector<f64, D> {
+        SVector::from_column_slice(&self.translations[time][..D])
+    }
+
+    /// Position of a node.
+    fn position(&self, index: usize, q: &[f64]) -> SVector<f64, D> {
+        SVector::from_column_slice(&q[D * self.sides.secondary.nodes()[index] as usize..][..D])
+    }
+
+    /// Position of a node relative to the obstacle at the start of the step.
+    pub fn begins(&self, index: usize) -> SVector<f64, D> {
+        self.start[index] - self.moved(0)
+    }
+
+    /// Position of a node relative to the obstacle at the end of the step.
+    fn ends(&self, index: usize, q_1: &[f64]) -> SVector<f64, D> {
+        self.position(index, q_1) - self.moved(2)
+    }
+
+    /// Distance of a node or its curve from `shape`, and its gradient, for nodes at the places `at` relative to the obstacle.
+    fn nearest(&self, index: usize, shape: &S, at: impl Fn(usize) -> SVector<f64, D>) -> (Distance<D>, Row) {
+        if let Some(curve) = self.curve(index) {
+            return curve.nearest_to(shape, &places(curve.nodes(), at));
         }
+        let found = shape.at(at(index));
+        (found, row_of(found.normal))
     }
 
-    /// Arc of a constraint, with the positions of its nodes relative to the obstacle displaced by `translation`.
-    fn arc(&self, row: usize, translation: [f64; 2], position: impl Fn(usize) -> [f64; 2]) -> Option<(&NodeArc, Nodes)> {
-        let arc = self.arcs[row].as_ref()?;
-        Some((arc, arc.nodes.map(|index| Vector2::from(position(index)) - Vector2::from(translation))))
-    }
-
-    /// Signed distance of the node or arc of a constraint from `shape` displaced by `translation`, for nodes at `position`.
-    fn distance(&self, row: usize, shape: &PlaneOutline, translation: [f64; 2], position: impl Fn(usize) -> [f64; 2]) -> Option<Distance> {
-        if let Some((arc, z)) = self.arc(row, translation, &position) {
-            let Nearest { local, .. } = arc.nearest(shape, &z);
-            return Some(Distance { gap: local.gap, normal: local.normal.into(), covered: local.covered });
+    /// Algorithmic gradient of a step for a node or its curve and `shape`, without weight.
+    fn step_gradient(&self, shape: &S, derivative: Derivative, index: usize, q_1: &[f64]) -> RowGradient {
+        let (begins, ends, size) = (|index| self.begins(index), |index| self.ends(index, q_1), self.sides.facet_size);
+        let middle = |index: usize| 0.5 * (self.start[index] + self.position(index, q_1)) - self.moved(1);
+        if let Some(curve) = self.curve(index) {
+            let nodes = curve.nodes();
+            return match derivative {
+                Derivative::DiscreteGradient => curve.between(shape, &places(nodes, begins), &places(nodes, ends), size),
+                Derivative::Gradient(at @ Configuration::Middle) => curve.plain(shape, &places(nodes, middle), at.share()),
+                Derivative::Gradient(at @ Configuration::End) => curve.plain(shape, &places(nodes, ends), at.share()),
+            };
         }
-        let x = position(row);
-        shape.distance([x[0] - translation[0], x[1] - translation[1]])
+        let StepGradient { bar, tangent } = shape.gradient_of(derivative, [begins(index), middle(index), ends(index)], size);
+        RowGradient { bar: row_of(bar), tangent: SMatrix::from_fn(|i, k| if i < D && k < D { tangent[(i, k)] } else { 0.0 }) }
     }
 
-    /// Weighted signed distances from `shape(row)` for the obstacle displaced by `translation`.
-    fn gaps<'a>(&self, shape: impl Fn(usize) -> &'a PlaneOutline, translation: [f64; 2], position: impl Fn(usize) -> [f64; 2]) -> Vec<f64> {
-        let mut gaps = vec![0.0; self.sides.weights.len()];
-        for row in self.rows_there() {
-            let distance = self.distance(row, shape(row), translation, &position);
-            gaps[row] = self.sides.weights[row] * distance.map_or(0.0, |distance| distance.gap);
-        }
-        gaps
+    /// Present constraints: index, index of the node, shape.
+    pub fn present_constraints(&self) -> impl Iterator<Item = (usize, usize, &S)> {
+        let slots = self.slots;
+        self.obstacle_sides.iter().enumerate().filter_map(move |(row, obstacle_side)| Some((row, row / slots, obstacle_side.as_ref()?)))
     }
 
-    /// Gradient of the gap of an arc at the end of the step, and its algorithmic gradient, without weight; `None` for nodes.
-    fn arc_gradients(&self, derivative: Derivative, row: usize, q_1: &[f64]) -> Option<(Nearest, ArcGradient)> {
-        let [start, middle, end] = self.translations;
-        let at_end = |index: usize| self.position(index, q_1, [0.0; 2]);
-        let half = |index: usize| {
-            let (x_0, x_1) = (self.start[index], at_end(index));
-            std::array::from_fn(|i| 0.5 * (x_0[i] + x_1[i]))
-        };
-        let (arc, z_1) = self.arc(row, end, at_end)?;
-        let of_step = match derivative {
-            Derivative::DiscreteGradient => {
-                arc.between(&self.shape, &self.arc(row, start, |index| self.start[index])?.1, &z_1, self.sides.facet_size)
-            }
-            Derivative::Gradient(at @ Configuration::Middle) => arc.plain(&self.shape, &self.arc(row, middle, half)?.1, at.share()),
-            Derivative::Gradient(at @ Configuration::End) => arc.plain(&self.shape, &z_1, at.share()),
-        };
-        Some((arc.nearest(&self.shape, &z_1), of_step))
+    /// Shapes from which the gaps of a node are measured in this step.
+    pub fn sides_near(&self, index: usize) -> &[Option<S>] {
+        &self.obstacle_sides[self.slots * index..self.slots * (index + 1)]
     }
 
-    /// Evaluates the constraint of an arc; false for nodes.
-    fn evaluate_arc(&self, derivative: Derivative, row: usize, q_1: &[f64], lambda: f64, out: &mut Evaluation) -> bool {
-        let Some((end, of_step)) = self.arc_gradients(derivative, row, q_1) else { return false };
-        let weight = self.sides.weights[row];
-        let (gradient, tangent) = (self.sides.patches.gradient_range(row).start, self.sides.patches.tangent_range(row).start);
-        out.live[row] = true;
-        (out.gap[row], out.coverage[row]) = (weight * end.local.gap, f64::from(u8::from(end.local.covered)));
-        for i in 0..UNKNOWNS {
-            out.gradient_end[gradient + i] = weight * end.gradient[i];
-            out.gradient_bar[gradient + i] = weight * of_step.bar[i];
-            for k in 0..UNKNOWNS {
-                out.tangent[tangent + UNKNOWNS * i + k] = lambda * weight * of_step.tangent[(i, k)];
-            }
-        }
-        true
+    /// Signed distance from the whole obstacle at the end of the step for nodes at `q`, with the index of each node that has constraints.
+    fn distances(&self, q: &[f64]) -> impl Iterator<Item = (usize, Distance<D>)> {
+        self.nodes_there().map(move |index| (index, self.nearest(index, &self.shape, |index| self.ends(index, q)).0))
+    }
+
+    /// Weight of each constraint of a node.
+    pub fn weight(&self, index: usize) -> f64 {
+        self.sides.weights[self.slots * index]
     }
 }
 
-impl PatchFunctions for RigidContact {
+/// Positions of nodes.
+fn places<const D: usize>(nodes: &[usize], at: impl Fn(usize) -> SVector<f64, D>) -> Vec<SVector<f64, D>> {
+    nodes.iter().map(|&node| at(node)).collect()
+}
+
+/// Gradient with respect to the position of a single node.
+fn row_of<const D: usize>(vector: SVector<f64, D>) -> Row {
+    Row::from_fn(|i, _| vector.get(i).copied().unwrap_or(0.0))
+}
+
+impl<const D: usize, S: ObstacleSide<D>, C: NodeCurve<D, S>> PatchFunctions for RigidContact<D, S, C>
+where
+    Self: Slips,
+{
     fn sides(&self) -> &Sides {
         &self.sides
+    }
+
+    fn rows_per_node(&self) -> usize {
+        self.slots
     }
 
     fn is_nodal(&self) -> bool {
         true
     }
 
+    fn set(&mut self, setting: Setting) {
+        self.is_beside_corners |= matches!(setting, Setting::BesideCorners);
+    }
+
     fn owns(&self, _p: usize, _node: u32) -> bool {
-        // All nodes of an arc belong to the surface.
+        // All nodes of a curve belong to the surface.
         true
     }
 
-    fn stand_beside_corners(&mut self) {
-        self.is_beside_corners = true;
-    }
-
     fn begin_step(&mut self, q_0: &[f64]) {
-        self.start = (0..self.sides.patches.len()).map(|row| self.position(row, q_0, [0.0; 2])).collect();
-        self.lines = (0..self.start.len()).map(|row| self.line_at_corner(row, q_0)).collect();
+        self.begin(q_0);
     }
 
     fn start_gap(&self) -> Vec<f64> {
-        self.gaps(|row| self.obstacle_side(row), self.translations[0], |row| self.start[row])
+        let gap = |index: usize, shape: &S| self.nearest(index, shape, |index| self.begins(index)).0.gap - self.heights[index];
+        self.sides.weighted(self.present_constraints().map(|(row, index, shape)| (row, gap(index, shape))))
     }
 
     fn evaluate(&self, derivative: Derivative, q_1: &[f64], lambda: &[f64], out: &mut Evaluation) {
-        assert_eq!(self.start.len(), self.sides.patches.len(), "begin_step follows a change of the candidates");
-        out.prepare(&self.sides.patches, self.sides.secondary.nodes().len());
-        for row in 0..self.sides.patches.len() {
-            if self.is_hidden[row] {
-                out.clear_patch(&self.sides.patches, row);
-                continue;
-            }
-            if self.evaluate_arc(derivative, row, q_1, lambda[row], out) {
-                continue;
-            }
+        let patches = &self.sides.patches;
+        out.prepare(patches, self.sides.weights.len());
+        (0..patches.len()).for_each(|p| out.clear_patch(patches, p));
+        for (row, index, shape) in self.present_constraints() {
             let weight = self.sides.weights[row];
-            let (gradient, tangent) = (self.sides.patches.gradient_range(row).start, self.sides.patches.tangent_range(row).start);
-            let (end, step) =
-                (self.obstacle_side(row).distance(self.position(row, q_1, self.translations[2])), self.step_gradient(derivative, row, q_1));
-            out.live[row] = true;
-            let normal = end.map_or([0.0; 2], |end| end.normal);
-            for i in 0..2 {
-                out.gradient_end[gradient + i] = weight * normal[i];
-                out.gradient_bar[gradient + i] = weight * step.bar[i];
-                for k in 0..2 {
-                    out.tangent[tangent + 2 * i + k] = lambda[row] * weight * step.tangent[i][k];
-                }
-            }
-            if let Some(Distance { gap, covered, .. }) = end {
-                out.gap[row] = weight * gap;
-                out.coverage[row] = f64::from(u8::from(covered));
+            let (end, gradient) = self.nearest(index, shape, |index| self.ends(index, q_1));
+            let of_step = self.step_gradient(shape, derivative, index, q_1);
+            out.live[index] = true;
+            (out.gap[row], out.coverage[row]) = (weight * (end.gap - self.heights[index]), f64::from(u8::from(end.covered)));
+            let (pressure, width) = (weight * lambda[row], patches.unknowns(index));
+            let first = patches.gradient_range(index).start + row % self.slots * width;
+            let block = patches.tangent_range(index).start;
+            for i in 0..width {
+                out.gradient_end[first + i] = weight * gradient[i];
+                out.gradient_bar[first + i] = weight * of_step.bar[i];
+                (0..width).for_each(|k| out.tangent[block + width * i + k] += pressure * of_step.tangent[(i, k)]);
             }
         }
     }
 
     fn evaluate_slips(&self, step: SlipStep, lambda: &[f64], out: &mut Evaluation) {
-        slip::evaluate(self, &self.sides.patches, step, lambda, out);
+        self.slips(step, lambda, out);
     }
 
     fn gap(&self, q: &[f64]) -> Vec<f64> {
-        self.gaps(|_| &self.shape, self.translations[2], |row| self.position(row, q, [0.0; 2]))
+        // The first constraint of a node represents the whole obstacle at positions outside of the step.
+        self.sides.weighted(self.distances(q).map(|(index, at)| (self.slots * index, at.gap - self.heights[index])))
     }
 
     fn coverage(&self, q: &[f64]) -> Vec<f64> {
-        let covered = |row: usize| {
-            let distance = self.distance(row, &self.shape, self.translations[2], |index| self.position(index, q, [0.0; 2]));
-            let distance = distance.filter(|_| !self.is_hidden[row]);
-            f64::from(u8::from(distance.is_some_and(|distance| distance.covered)))
-        };
-        (0..self.sides.weights.len()).map(covered).collect()
+        self.sides.per_row(self.distances(q).map(|(index, at)| (self.slots * index, f64::from(u8::from(at.covered)))))
     }
 }
 
-/// Slip of nodes relative to the translating obstacle.
-impl SlipRows for RigidContact {
-    fn places(&self, p: usize, _z: &[f64], places: &mut Vec<usize>) -> bool {
-        places.extend(0..self.sides.patches.nodes(p).len());
-        !self.is_hidden[p]
-    }
-
-    fn rows<T: Number>(&self, p: usize, z: &[T], rows: &mut [T], covered: &mut [f64]) -> bool {
-        let relative = |k: usize| [0, 1].map(|i| z[2 * k + i] - self.translations[1][i]);
-        let shape = self.obstacle_side(p);
-        let touching = self.arcs[p].as_ref().map(|arc| {
-            let z = [0, 1, 2].map(relative);
-            let shares = arc.shares_at(shape, &z);
-            (shares, NodeArc::combined(&shares, &z))
-        });
-        let x = touching.map_or_else(|| relative(0), |(_, x)| x);
-        let Some(Distance { normal, covered: true, .. }) = shape.distance(x.map(|x| x.re())) else { return false };
-        let normal = if let PlaneOutline::Circle { center, sign, .. } = shape {
-            let r: [T; 2] = std::array::from_fn(|i| x[i] - center[i]);
-            let inverse = (r[0] * r[0] + r[1] * r[1]).sqrt().recip() * *sign;
-            r.map(|r| r * inverse)
-        } else {
-            normal.map(T::from)
-        };
-        let along = [normal[1] * self.sides.weights[p], -normal[0] * self.sides.weights[p]];
-        covered[0] = 1.0;
-        let Some((shares, _)) = touching else {
-            rows.copy_from_slice(&along);
-            return true;
-        };
-        for (row, [a, b]) in rows.chunks_exact_mut(2).zip(shares) {
-            (row[0], row[1]) = (a * along[0] + b * along[1], a * along[1] - b * along[0]);
-        }
-        true
-    }
-
-    fn is_relative(&self, _p: usize) -> bool {
-        false
-    }
-
-    fn other_side(&self) -> Carrier {
-        self.shape.carrier(self.carried, self.translations[1])
-    }
-}
-
-impl CandidateSearch for RigidContact {
+impl<const D: usize, S: ObstacleSide<D>, C: NodeCurve<D, S>> CandidateSearch for RigidContact<D, S, C>
+where
+    Self: Slips,
+{
     fn deepest(&self, q: &[f64]) -> f64 {
-        let depth = |row: usize| {
-            let distance = self.distance(row, &self.shape, self.translations[2], |index| self.position(index, q, [0.0; 2]));
-            distance.filter(|distance| distance.covered).map_or(0.0, |distance| -distance.gap)
-        };
-        self.rows_there().map(depth).fold(0.0, f64::max)
+        let depths = self.distances(q).filter(|(_, distance)| distance.covered);
+        depths.map(|(index, distance)| self.heights[index] - distance.gap).fold(0.0, f64::max)
     }
 }
 
-impl RigidObstacle for RigidContact {
+impl<const D: usize, S: ObstacleSide<D>, C: NodeCurve<D, S>> RigidObstacle for RigidContact<D, S, C>
+where
+    Self: Slips,
+{
     fn move_obstacle(&mut self, translations: &[[f64; 3]; 3]) {
-        self.translations = translations.map(|[x, y, _]| [x, y]);
+        self.translations = *translations;
     }
 
     fn carry(&mut self, shift: [f64; 3], angle: f64) {
-        self.carried = ([shift[0], shift[1]], angle);
+        self.carried = (shift, angle);
     }
 
     fn obstacle_translation(&self) -> [f64; 3] {
-        let [x, y] = self.translations[2];
-        [x, y, 0.0]
+        self.translations[2]
     }
 
     fn passage(&self, q_1: &[f64]) -> [f64; 2] {
-        if matches!(self.shape, PlaneOutline::HalfPlane { .. } | PlaneOutline::Circle { sign: -1.0, .. }) {
-            // A half plane or the complement of a disk has no far side to which a node could cross.
-            return [0.0; 2];
-        }
-        let ([start, _, end], size) = (self.translations, self.sides.facet_size);
+        let size = self.sides.facet_size;
         let (mut direction_change, mut crossing) = (0.0f64, 0.0f64);
-        for row in self.rows_there() {
-            let x_0 = [self.start[row][0] - start[0], self.start[row][1] - start[1]];
-            let x_1 = self.position(row, q_1, end);
-            let near = size.max(self.sides.weights[row]);
-            let moved = (x_1[0] - x_0[0]).hypot(x_1[1] - x_0[1]);
+        for index in self.nodes_there() {
+            let (x_0, x_1, weight) = (self.begins(index), self.ends(index, q_1), self.weight(index));
+            let near = size.max(if D == 2 { weight } else { weight.sqrt() });
+            let moved = (x_1 - x_0).norm();
             direction_change = direction_change.max(self.shape.direction_change(x_0, x_1, near) / near);
-            if moved > crossing.max(CROSSING * size) && self.shape.is_crossed(x_0, x_1) {
+            if moved > crossing.max(CROSSING * size) && self.shape.is_crossed(x_0, x_1, near) {
                 crossing = moved;
             }
         }
@@ -390,32 +366,16 @@ impl RigidObstacle for RigidContact {
     }
 
     fn obstacle_force_into(&self, derivative: Derivative, q_1: &[f64], before: &[f64], lambda: &[f64], force: &mut [f64]) -> f64 {
-        let [start, _, end] = self.translations;
+        let way = self.moved(2) - self.moved(0);
         let mut work = 0.0;
-        for row in self.rows_there() {
-            if let Some((_, of_step)) = self.arc_gradients(derivative, row, q_1) {
-                let at_start = self.arc(row, start, |index| self.start[index]).map(|(arc, z)| arc.nearest(&self.shape, &z).gradient);
-                let f = (of_step.bar * lambda[row] + at_start.unwrap_or_default() * before[row]) * self.sides.weights[row];
-                for (k, &node) in self.sides.patches.nodes(row).iter().enumerate() {
-                    for i in 0..2 {
-                        force[2 * node as usize + i] += f[2 * k + i];
-                        work += f[2 * k + i] * (end[i] - start[i]);
-                    }
-                }
-                continue;
-            }
-            let node = 2 * self.sides.secondary.nodes()[row] as usize;
-            let step = self.step_gradient(derivative, row, q_1);
-            let at_start = if before[row] == 0.0 {
-                [0.0; 2]
-            } else {
-                let distance = self.obstacle_side(row).distance([self.start[row][0] - start[0], self.start[row][1] - start[1]]);
-                distance.map_or([0.0; 2], |distance| distance.normal)
-            };
-            for i in 0..2 {
-                let f = self.sides.weights[row] * (lambda[row] * step.bar[i] + before[row] * at_start[i]);
-                force[node + i] += f;
-                work += f * (end[i] - start[i]);
+        for (row, index, shape) in self.present_constraints().filter(|&(row, ..)| before[row] != 0.0 || lambda[row] != 0.0) {
+            let of_step = self.step_gradient(shape, derivative, index, q_1).bar * lambda[row];
+            let of_start = self.nearest(index, shape, |index| self.begins(index)).1 * before[row];
+            let f = (of_step + of_start) * self.sides.weights[row];
+            for (k, &node) in self.sides.patches.nodes(index).iter().enumerate() {
+                let on_node = f.fixed_rows::<D>(D * k);
+                (0..D).for_each(|i| force[D * node as usize + i] += on_node[i]);
+                work += on_node.dot(&way);
             }
         }
         work
@@ -429,6 +389,8 @@ mod tests {
 
     use super::super::PredictedMotion;
     use super::super::fixtures::{difference, evaluated, product};
+    use super::super::rigid_contact::RigidInPlane;
+    use super::super::rigid_shape::{Obstacle, PlaneOutline};
     use super::*;
 
     fn obstacles() -> Vec<Obstacle> {
@@ -442,8 +404,8 @@ mod tests {
     }
 
     /// Facet between nodes 0 and 1, each with half its length as weight, and a moving obstacle.
-    fn contact(obstacle: &Obstacle, q_0: &[f64], translations: &[[f64; 2]; 3]) -> RigidContact {
-        let mut kernel = RigidContact::new(&[[0, 1]], obstacle, q_0);
+    fn contact(obstacle: &Obstacle, q_0: &[f64], translations: &[[f64; 2]; 3]) -> RigidInPlane {
+        let mut kernel = RigidInPlane::new(Surface::new(&[[0, 1]]), PlaneOutline::new(obstacle), q_0, Default::default(), Vec::new());
         kernel.move_obstacle(&translations.map(|[x, y]| [x, y, 0.0]));
         assert!(!kernel.update_candidates(&PredictedMotion::within(q_0, 1.0)));
         kernel.begin_step(q_0);
@@ -471,8 +433,10 @@ mod tests {
                 let kernel = contact(&obstacle, &q_0, &translations);
                 let lambda = [1.5, -0.5];
                 let out = evaluated(&kernel, Derivative::DiscreteGradient, &q_1, &lambda);
-                let gaps = kernel.gaps(|row| kernel.obstacle_side(row), kernel.translations[2], |row| kernel.position(row, &q_1, [0.0; 2]));
-                prop_assert_eq!(&out.gap, &gaps);
+                let ends = |index: usize| kernel.ends(index, &q_1);
+                for (row, index, shape) in kernel.present_constraints() {
+                    prop_assert_eq!(out.gap[row], kernel.weight(index) * kernel.nearest(index, shape, ends).0.gap);
+                }
                 let mut force = vec![0.0; 4];
                 let by_motion = kernel.obstacle_force_into(Derivative::DiscreteGradient, &q_1, &[0.0; 2], &lambda, &mut force);
                 let start = kernel.start_gap();
@@ -515,11 +479,11 @@ mod tests {
                 let kernel = contact(&obstacle, &q_0, &translations);
                 let lambda = [1.5, -0.5];
                 // Corners of the polyline and centers of circles are kinks, near which difference quotients are inaccurate.
-                let near_kink = |x: [f64; 2]| match (&kernel.shape, kernel.shape.distance(x)) {
+                let near_kink = |x: [f64; 2]| match (&kernel.shape, kernel.shape.distance(x.into())) {
                     (PlaneOutline::Circle { center, .. }, _) => (x[0] - center[0]).hypot(x[1] - center[1]) < 0.2,
                     (PlaneOutline::Polyline { .. }, Some(distance)) => {
                         let around = [[1e-3, 0.0], [-1e-3, 0.0], [0.0, 1e-3], [0.0, -1e-3]].map(|d| [x[0] + d[0], x[1] + d[1]]);
-                        around.iter().any(|x| kernel.shape.distance(*x).is_none_or(|other| other.normal != distance.normal))
+                        around.iter().any(|x| kernel.shape.distance((*x).into()).is_none_or(|other| other.normal != distance.normal))
                     }
                     _ => false,
                 };

@@ -12,7 +12,7 @@ use super::round::RoundContact;
 use super::slip::SlipStep;
 use super::space::{CornersInSpace, ObstacleInSpace};
 use super::surface::{Sides, Surface};
-use super::window::{MotionBound, PredictedMotion};
+use super::window::PredictedMotion;
 use super::{CandidateSearch, Candidates, ContactKernel, PatchFunctions, RigidObstacle};
 use crate::integrators::Derivative;
 
@@ -43,62 +43,55 @@ pub struct RigidCorners {
 }
 
 impl RigidCorners {
-    /// Contact of the obstacle's points with a surface (facets in model node numbers, the body on the left); `None` for obstacles without
-    /// points or with a radius above `LARGE`. `facet_size` is that of the whole contact.
-    pub fn new(surface: &[[u32; 2]], obstacle: &Obstacle, reference: &[f64], facet_size: f64) -> Option<Self> {
-        let first = (reference.len() / 2) as u32;
-        let with = |points: &[[f64; 2]]| -> Vec<f64> { reference.iter().chain(points.as_flattened()).copied().collect() };
-        let sides = Sides::new(surface, &[], reference);
-        let (points, inner): (Vec<[f64; 2]>, Box<dyn ContactKernel>) = match obstacle {
+    /// Contact of the obstacle's points with a surface: corners of a polyline, the center of a disk with a radius up to `LARGE`, sharp
+    /// vertices and edges in space, the center of a small sphere, the tip of a cone; `None` without any. `facet_size` is that of the whole
+    /// contact.
+    pub fn new(surface: &Surface, obstacle: &Obstacle, reference: &[f64], facet_size: f64) -> Option<Self> {
+        let dimension = surface.dimension();
+        let first = (reference.len() / dimension) as u32;
+        let with = |points: &[f64]| -> Vec<f64> { reference.iter().chain(points).copied().collect() };
+        let (points, inner): (Vec<f64>, Box<dyn ContactKernel>) = match obstacle {
             Obstacle::Polyline { points } => {
                 let last = points.len().checked_sub(1)?;
                 let is_closed = last > 2 && points[0] == points[last];
                 let node = |k: usize| first + if is_closed && k == last { 0 } else { k as u32 };
                 let facets: Vec<[u32; 2]> = (0..last).map(|k| [node(k), node(k + 1)]).collect();
-                let points = &points[..points.len() - usize::from(is_closed)];
-                (points.to_vec(), Box::new(NodeToSegment::of_points(&facets, surface, &with(points), facet_size)))
+                let points = points[..points.len() - usize::from(is_closed)].as_flattened().to_vec();
+                let inner = NodeToSegment::of_points(&facets, surface.facets(), &with(&points), facet_size);
+                (points, Box::new(inner))
             }
             Obstacle::Disk { center, radius } => {
-                let facets = &sides.secondary;
-                let longest = (0..facets.facets().len()).map(|facet| facets.facet_measure(facet, reference)).fold(0.0, f64::max);
+                let longest = (0..surface.count()).map(|facet| surface.facet_measure(facet, reference)).fold(0.0, f64::max);
                 if *radius > LARGE * longest * longest / facet_size {
                     return None;
                 }
-                (vec![*center], Box::new(RoundContact::new(first, *radius, surface, &with(&[*center]), facet_size)))
+                (center.to_vec(), Box::new(RoundContact::new(first, *radius, surface.facets(), &with(center), facet_size)))
             }
-            Obstacle::HalfPlane { .. } | Obstacle::Ring { .. } | Obstacle::InSpace(_) => return None,
-        };
-        Some(RigidCorners::of(inner, Sides { facet_size, ..sides }, points.into_flattened(), reference))
-    }
-
-    /// Contact of the obstacle's sharp vertices and edges, or the center of a small sphere, with a surface in space; `None` without any.
-    pub fn in_space(surface: &Surface, obstacle: &ObstacleInSpace, reference: &[f64], facet_size: f64) -> Option<Self> {
-        let first = (reference.len() / 3) as u32;
-        let with = |points: &[[f64; 3]]| -> Vec<f64> { reference.iter().chain(points.as_flattened()).copied().collect() };
-        let is_small = obstacle.is_small(surface, reference, facet_size);
-        let ball = |center: [f64; 3], radius: f64| {
-            (center.to_vec(), CornersInSpace::of_ball(surface.clone(), first, radius, &with(&[center]), facet_size))
-        };
-        let (points, inner) = match obstacle {
-            ObstacleInSpace::Facets(facets) => {
-                let triangles: Vec<[u32; 3]> = facets.triangles().iter().map(|nodes| nodes.map(|node| first + node)).collect();
-                let of_obstacle = Surface::in_space(triangles.iter().map(|nodes| &nodes[..]));
-                let inner = CornersInSpace::of_obstacle(surface.clone(), of_obstacle, &with(facets.points()), facet_size)?;
-                (facets.points().as_flattened().to_vec(), inner)
+            Obstacle::InSpace(shape) => {
+                let ball = |center: &[f64; 3], radius: f64| {
+                    (center.to_vec(), CornersInSpace::of_ball(surface.clone(), first, radius, &with(center), facet_size))
+                };
+                let is_small = || shape.is_small(surface, reference, facet_size);
+                match shape {
+                    ObstacleInSpace::Facets(facets) => {
+                        let triangles: Vec<[u32; 3]> = facets.triangles().iter().map(|nodes| nodes.map(|node| first + node)).collect();
+                        let of_obstacle = Surface::in_space(triangles.iter().map(|nodes| &nodes[..]));
+                        let points = facets.points().as_flattened().to_vec();
+                        let inner = CornersInSpace::of_obstacle(surface.clone(), of_obstacle, &with(&points), facet_size)?;
+                        (points, inner)
+                    }
+                    ObstacleInSpace::Sphere { center, radius, .. } if is_small() => ball(center, *radius),
+                    ObstacleInSpace::Cone { tip, .. } if is_small() => ball(tip, 0.0),
+                    _ => return None,
+                }
             }
-            ObstacleInSpace::Sphere { center, radius, .. } if is_small => ball(*center, *radius),
-            ObstacleInSpace::Cone { tip, .. } if is_small => ball(*tip, 0.0),
-            _ => return None,
+            Obstacle::HalfPlane { .. } | Obstacle::Ring { .. } => return None,
         };
-        let sides = Sides::of(surface.clone(), Surface::in_space([]), reference);
-        Some(RigidCorners::of(inner, Sides { facet_size, ..sides }, points, reference))
-    }
-
-    fn of(inner: Box<dyn ContactKernel>, sides: Sides, points: Vec<f64>, reference: &[f64]) -> Self {
-        let start = reference.iter().chain(&points).copied().collect();
-        let dimension = sides.patches.dimension();
-        let sides = Sides { weights: inner.weights().to_vec(), ..sides };
-        RigidCorners { inner, sides, points, dimension, components: reference.len(), translations: [[0.0; 3]; 3], shift: [0.0; 3], start }
+        let (start, weights) = (with(&points), inner.weights().to_vec());
+        let sides = Sides::of(surface.clone(), if dimension == 2 { Surface::new(&[]) } else { Surface::in_space([]) }, reference);
+        let sides = Sides { facet_size, weights, ..sides };
+        let (translations, shift) = ([[0.0; 3]; 3], [0.0; 3]);
+        Some(RigidCorners { inner, sides, points, dimension, components: reference.len(), translations, shift, start })
     }
 
     /// Slack of the constraints of an obstacle's points relative to that of corners. On a small disk nodes and facets touch alternately,
@@ -217,25 +210,11 @@ impl PatchFunctions for RigidCorners {
 
 impl CandidateSearch for RigidCorners {
     fn update_candidates(&mut self, predicted_motion: &PredictedMotion) -> bool {
-        let q = self.positions(predicted_motion.q, 0);
-        let changed = match predicted_motion.motion_bound {
-            MotionBound::UpTo(_) => self.inner.update_candidates(&PredictedMotion { q: &q, ..*predicted_motion }),
-            MotionBound::Each { sizes, besides } => {
-                let points = self.points.len() / self.dimension;
-                let sizes: Vec<f64> = sizes.iter().copied().chain(std::iter::repeat_n(0.0, points)).collect();
-                self.inner.update_candidates(&PredictedMotion {
-                    q: &q,
-                    motion_bound: MotionBound::Each { sizes: &sizes, besides },
-                    ..*predicted_motion
-                })
-            }
-            MotionBound::Guessed { displacements, factor } => {
-                let [from, _, to] = self.translations;
-                let [a, b] = displacements.map(|u| self.extended(u, |_, i| to[i] - from[i]));
-                let motion_bound = MotionBound::Guessed { displacements: [&a, &b], factor };
-                self.inner.update_candidates(&PredictedMotion { q: &q, motion_bound, ..*predicted_motion })
-            }
-        };
+        let ([from, _, to], points) = (self.translations, self.points.len() / self.dimension);
+        let bounds = |sizes: &[f64]| sizes.iter().copied().chain(std::iter::repeat_n(0.0, points)).collect();
+        let moved = |u: &[f64]| self.extended(u, |_, i| to[i] - from[i]);
+        let motion = predicted_motion.mapped(self.positions(predicted_motion.q, 0), bounds, moved);
+        let changed = self.inner.update_candidates(&motion.of_points());
         if changed {
             self.list_patches();
         }

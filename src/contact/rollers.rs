@@ -3,7 +3,7 @@
 use nalgebra::SVector;
 
 use super::numbers::Number;
-use super::obstacle_side::{Local, ObstacleSide};
+use super::obstacle_side::{Distance, ObstacleSide};
 use super::round_parts::{Curvature, RoundPart};
 
 /// Largest number of masters of a constraint: those of two bodies in space.
@@ -124,7 +124,7 @@ impl<S> Roller<S> {
         for (&(_, share), z) in masters.iter().zip(z) {
             (0..D).for_each(|i| center[i] += z[i] * share);
         }
-        let Local { normal, curvature, .. } = obstacle_side.at(SVector::from_fn(|i, _| center[i].re() - moved[i]));
+        let Distance { normal, curvature, .. } = obstacle_side.at(SVector::from_fn(|i, _| center[i].re() - moved[i]));
         let normal: [T; D] =
             std::array::from_fn(|i| (0..D).fold(T::from(normal[i]), |sum, k| sum + (center[k] - center[k].re()) * curvature[(i, k)]));
         let mut direction = normal;

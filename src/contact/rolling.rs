@@ -37,19 +37,19 @@
 
 use std::ops::Range;
 
-use nalgebra::{SMatrix, SVector};
+use nalgebra::SVector;
 
 use super::kernel::{CandidateSearch, PatchFunctions, RigidObstacle};
 use super::numbers::Number;
-use super::obstacle_side::{Local, ObstacleSide};
+use super::obstacle_side::{Distance, ObstacleSide, StepGradient};
 use super::patches::Evaluation;
 use super::rollers::{MASTERS, Roller, RoundBody};
 use super::round_parts::{Curvature, RoundPart};
-use super::slip::SlipStep;
+use super::slip::{SlipStep, Slips};
 use super::surface::{Sides, Surface};
 use super::tilt::Tilt;
 use super::window::PredictedMotion;
-use crate::integrators::{Configuration, Derivative};
+use crate::integrators::Derivative;
 use crate::math::tolerances::CROSSING;
 
 /// Distance between two round bodies, relative to the smaller radius, up to which their constraint is part of the equations, in addition to
@@ -181,26 +181,10 @@ impl<const D: usize, S: ObstacleSide<D>> RollingContact<D, S> {
     }
 
     /// Algorithmic gradient of a step, and its derivative, for the center of a part, without weight.
-    fn step_gradient(
-        &self,
-        obstacle_side: &S,
-        derivative: Derivative,
-        roller: usize,
-        q_1: &[f64],
-    ) -> (SVector<f64, D>, SMatrix<f64, D, D>) {
-        let plain = |x: SVector<f64, D>, at: Configuration| {
-            let Local { normal, curvature, .. } = obstacle_side.at(x);
-            (normal, curvature * at.share())
-        };
-        match derivative {
-            Derivative::DiscreteGradient => {
-                obstacle_side.between(self.start[roller] - self.moved(0), self.center(roller, q_1, 2), self.sides.facet_size)
-            }
-            Derivative::Gradient(at @ Configuration::Middle) => {
-                plain(0.5 * (self.start[roller] + self.center(roller, q_1, 2) + self.moved(2)) - self.moved(1), at)
-            }
-            Derivative::Gradient(at @ Configuration::End) => plain(self.center(roller, q_1, 2), at),
-        }
+    fn step_gradient(&self, obstacle_side: &S, derivative: Derivative, roller: usize, q_1: &[f64]) -> StepGradient<D> {
+        let end = self.center(roller, q_1, 2);
+        let middle = 0.5 * (self.start[roller] + end + self.moved(2)) - self.moved(1);
+        obstacle_side.gradient_of(derivative, [self.begins(roller), middle, end], self.sides.facet_size)
     }
 
     pub(super) fn rows_of(&self, roller: usize) -> Range<usize> {
@@ -227,7 +211,7 @@ impl<const D: usize, S: ObstacleSide<D>> RollingContact<D, S> {
     }
 
     /// True if a part faces a side of the obstacle so that it may touch it.
-    fn touches(&self, roller: usize, obstacle_side: &S, local: &Local<D>, tilt: Tilt, q: &[f64]) -> bool {
+    fn touches(&self, roller: usize, obstacle_side: &S, local: &Distance<D>, tilt: Tilt, q: &[f64]) -> bool {
         let is_rim = self.rollers[roller].axis.is_some();
         local.covered && (!is_rim || obstacle_side.takes_rims() && !tilt.is_flat()) && self.rollers[roller].facing(q, -local.normal).1
     }
@@ -292,7 +276,7 @@ where
         for roller in 0..self.rollers.len() {
             let (x, radius, spare) = (self.begins(roller), self.rollers[roller].part.radius, self.sides.facet_size);
             let shape = &self.rollers[roller].shape;
-            let Local { normal, .. } = shape.at(x);
+            let Distance { normal, .. } = shape.at(x);
             let near = if self.is_near[roller] { shape.near(x, radius, spare) } else { Vec::new() };
             let of_side = |side: S| {
                 let local = side.at(x);
@@ -309,12 +293,9 @@ where
     }
 
     fn start_gap(&self) -> Vec<f64> {
-        let mut gaps = vec![0.0; self.sides.weights.len()];
-        for (row, roller, obstacle_side, _) in self.present_constraints() {
-            let nearer = self.rollers[roller].part.radius * self.at_start[row].height;
-            gaps[row] = self.sides.weights[row] * (obstacle_side.at(self.begins(roller)).gap - nearer);
-        }
-        gaps
+        let nearer = |row: usize, roller: usize| self.rollers[roller].part.radius * self.at_start[row].height;
+        let gaps = self.present_constraints().map(|(row, roller, side, _)| (row, side.at(self.begins(roller)).gap - nearer(row, roller)));
+        self.sides.weighted(gaps)
     }
 
     fn evaluate(&self, derivative: Derivative, q_1: &[f64], lambda: &[f64], out: &mut Evaluation) {
@@ -324,7 +305,7 @@ where
         for (row, p, obstacle_side, normal) in self.present_constraints() {
             let (weight, Roller { masters, part, axis, .. }) = (self.sides.weights[row], &self.rollers[p]);
             let end = obstacle_side.at(self.center(p, q_1, 2));
-            let (bar, tangent) = self.step_gradient(obstacle_side, derivative, p, q_1);
+            let StepGradient { bar, tangent } = self.step_gradient(obstacle_side, derivative, p, q_1);
             let tilt = self.nearer(p, normal, q_1);
             let [of_step, bend] = self.at_start[row].to(tilt, derivative).map(|x| x * part.radius);
             out.live[p] = true;
@@ -356,26 +337,13 @@ where
     }
 
     fn gap(&self, q: &[f64]) -> Vec<f64> {
-        let mut gaps = vec![0.0; self.sides.weights.len()];
         // The first constraint of a part represents the whole obstacle.
-        for (roller, gap) in self.distances(q) {
-            let row = self.rows_of(roller).start;
-            gaps[row] = self.sides.weights[row] * gap;
-        }
-        gaps
+        self.sides.weighted(self.distances(q).map(|(roller, gap)| (self.rows_of(roller).start, gap)))
     }
 
     fn coverage(&self, q: &[f64]) -> Vec<f64> {
-        let mut coverage = vec![0.0; self.sides.weights.len()];
-        self.distances(q).for_each(|(roller, _)| coverage[self.rows_of(roller).start] = 1.0);
-        coverage
+        self.sides.per_row(self.distances(q).map(|(roller, _)| (self.rows_of(roller).start, 1.0)))
     }
-}
-
-/// Evaluation of the tangential slips, implemented separately for plane and space.
-pub(super) trait Slips {
-    /// Writes the slips of a step to `out`, as [`PatchFunctions::evaluate_slips`].
-    fn slips(&self, step: SlipStep, lambda: &[f64], out: &mut Evaluation);
 }
 
 impl<const D: usize, S: ObstacleSide<D>> CandidateSearch for RollingContact<D, S>
@@ -437,9 +405,9 @@ where
         for roller in 0..self.rollers.len() {
             let near = self.rollers[roller].part.radius.max(self.sides.facet_size);
             let (x_0, x_1) = (self.begins(roller), self.center(roller, q_1, 2));
-            let (changes, is_crossed) = self.rollers[roller].shape.passage(x_0, x_1, near);
-            direction_change = direction_change.max(changes / near);
-            if is_crossed {
+            let shape = &self.rollers[roller].shape;
+            direction_change = direction_change.max(shape.direction_change(x_0, x_1, near) / near);
+            if shape.is_crossed(x_0, x_1, near) {
                 crossing = crossing.max((x_1 - x_0).norm());
             }
         }
@@ -456,7 +424,7 @@ where
         for (row, roller, obstacle_side, normal) in self.present_constraints().filter(|&(row, ..)| before[row] != 0.0 || lambda[row] != 0.0)
         {
             let (weight, Roller { masters, part, axis, .. }) = (self.sides.weights[row], &self.rollers[roller]);
-            let of_step = self.step_gradient(obstacle_side, derivative, roller, q_1).0 * lambda[row];
+            let of_step = self.step_gradient(obstacle_side, derivative, roller, q_1).bar * lambda[row];
             let f = (of_step + obstacle_side.at(self.begins(roller)).normal * before[row]) * weight;
             let [slope, _] = self.at_start[row].to(self.nearer(roller, normal, q_1), derivative);
             let couple = normal * (-weight * part.radius * (slope * lambda[row] + self.at_start[row].slope * before[row]));

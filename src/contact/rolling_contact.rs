@@ -5,9 +5,9 @@ use super::numbers::Number;
 use super::patches::Evaluation;
 use super::rigid_shape::{Obstacle, PlaneOutline};
 use super::rollers::RoundBody;
-use super::rolling::{RollingContact, Slips};
+use super::rolling::RollingContact;
 use super::round_parts::{Curvature, RoundPart};
-use super::slip::{self, SlipRows, SlipStep};
+use super::slip::{self, SlipRows, SlipStep, Slips};
 use super::space::{ObstacleInSpace, ShapeInSpace};
 use super::surface::Surface;
 
@@ -72,10 +72,8 @@ impl SlipRows for RollingContact<2, PlaneOutline> {
     }
 
     fn other_side(&self) -> slip::Carrier {
-        let ([x, y, _], angle) = self.carried;
-        let [a, b, _] = self.translations[1];
         match self.shape() {
-            Some(shape) if self.is_on_obstacle() => shape.carrier(([x, y], angle), [a, b]),
+            Some(shape) if self.is_on_obstacle() => shape.carrier(self.carried, self.translations[1]),
             _ => slip::Carrier::default(),
         }
     }

@@ -66,6 +66,12 @@ pub trait SlipRows {
     }
 }
 
+/// Evaluation of slips by a kernel that is generic in the dimension.
+pub(super) trait Slips {
+    /// Writes the slips of a step to `out`, as [`PatchFunctions::evaluate_slips`](super::PatchFunctions::evaluate_slips).
+    fn slips(&self, step: SlipStep, lambda: &[f64], out: &mut Evaluation);
+}
+
 /// Rigid motion in a step: displacement `o(x) = shift + turn k x (x - center)` of a point `x` in mid-step.
 ///
 /// With `turn = 2 tan(angle/2)` points of a rotating circle move by the chords of their arcs.

@@ -4,7 +4,7 @@ use proptest::prelude::*;
 
 use super::contract::{UNKNOWNS, chains, config, kernels, step};
 use super::fixtures::{dense_rows, difference, evaluated, product, tangent_along, unbalance};
-use super::{ContactKernel, Evaluation, Obstacle, PatchFunctions, RigidContact, RigidObstacle, SlipStep};
+use super::{ContactKernel, Evaluation, Obstacle, SlipStep, Surface, rigid_contact};
 use crate::integrators::{Configuration, Derivative};
 
 const SHEARS: [f64; 4] = [1.0, -0.5, 2.0, 0.25];
@@ -101,11 +101,11 @@ fn sliding_by_a_length_is_that_slip_for_all_methods() {
 fn slips_on_an_obstacle_are_those_against_its_motion() {
     let reference = [0.0, 0.0, 1.0, 0.0];
     let plane = Obstacle::HalfPlane { point: [0.0, 0.0], normal: [0.0, 2.0] };
-    let mut kernel = RigidContact::new(&[[0, 1]], &plane, &reference);
+    let mut kernel = rigid_contact(Surface::new(&[[0, 1]]), &plane, &reference, Default::default());
     kernel.move_obstacle(&[[0.0; 3], [0.2, 0.0, 0.0], [0.4, 0.0, 0.0]]);
     kernel.carry([0.4, 0.0, 0.0], 0.0);
     kernel.begin_step(&reference);
     let moved = [0.4, 0.0, 1.5, 0.0];
-    let out = slips(&kernel, &reference, &moved, Configuration::Middle);
+    let out = slips(&*kernel, &reference, &moved, Configuration::Middle);
     assert!(out.gap[0].abs() < 1e-15 && (out.gap[1] - 0.5 * 0.1).abs() < 1e-15, "{:?}", out.gap);
 }

@@ -61,6 +61,18 @@ impl Sides {
         if self.secondary.dimension == 2 { &self.patches } else { &self.tangential }
     }
 
+    /// Values of the given constraints, zero for others.
+    pub(crate) fn per_row(&self, values: impl Iterator<Item = (usize, f64)>) -> Vec<f64> {
+        let mut all = vec![0.0; self.weights.len()];
+        values.for_each(|(row, value)| all[row] = value);
+        all
+    }
+
+    /// Weighted gaps of the given constraints, zero for others.
+    pub(crate) fn weighted(&self, gaps: impl Iterator<Item = (usize, f64)>) -> Vec<f64> {
+        self.per_row(gaps.map(|(row, gap)| (row, self.weights[row] * gap)))
+    }
+
     /// Lists the contact elements with tangential constraints in space.
     pub(crate) fn list_slips(&mut self) {
         self.tangential.clear();

@@ -20,16 +20,14 @@
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
-use super::kernel::{CandidateSearch, ContactKernel, Correction, PatchFunctions, RigidObstacle};
+use super::kernel::{CandidateSearch, ContactKernel, PatchFunctions, RigidObstacle};
 use super::patches::{Evaluation, Patches};
 use super::placement::{ObstaclePlacement, TurningAxis};
-use super::profile::Profile;
-use super::search::{Candidates, PairSearch};
+use super::search::Candidates;
 use super::slip::SlipStep;
 use super::surface::Sides;
-use super::window::{MotionBound, PredictedMotion};
+use super::window::{MappedMotion, PredictedMotion};
 use crate::integrators::{Configuration, Derivative};
-use crate::math::workers::Workers;
 
 /// Contact with an obstacle that turns about an axis.
 pub struct TurningContact {
@@ -145,24 +143,11 @@ impl TurningContact {
         }
     }
 
-    /// Predicted motion in the frame of the obstacle, of which `q` and `displacements` are the positions and displacement fields.
-    fn predicted<'a>(&self, motion: &PredictedMotion<'a>, q: &'a [f64], displacements: &'a [Vec<f64>; 2]) -> PredictedMotion<'a> {
-        let motion_bound = match motion.motion_bound {
-            MotionBound::Guessed { factor, .. } => MotionBound::Guessed { displacements: [&displacements[0], &displacements[1]], factor },
-            other => other,
-        };
-        PredictedMotion { q, motion_bound, ..*motion }
-    }
-
-    /// Positions and displacement fields of a predicted motion in the frame.
-    fn predicted_fields(&self, motion: &PredictedMotion) -> (Vec<f64>, [Vec<f64>; 2]) {
+    /// Predicted motion in the frame of the obstacle.
+    fn motion<'a>(&self, in_space: &PredictedMotion<'a>) -> MappedMotion<'a> {
         let by: [f64; 3] = std::array::from_fn(|i| self.translations[END][i] - self.translations[START][i]);
-        let field = |u: &[f64]| self.moved_in_frame(|node| self.node(motion.q, node), u, (by, 2.0 * self.half_angle()));
-        let fields = match motion.motion_bound {
-            MotionBound::Guessed { displacements, .. } => displacements.map(field),
-            _ => Default::default(),
-        };
-        (self.in_frame(motion.q, START), fields)
+        let field = |u: &[f64]| self.moved_in_frame(|node| self.node(in_space.q, node), u, (by, 2.0 * self.half_angle()));
+        in_space.mapped(self.in_frame(in_space.q, START), <[f64]>::to_vec, field)
     }
 }
 
@@ -171,44 +156,16 @@ impl PatchFunctions for TurningContact {
         self.inner.sides()
     }
 
-    fn rows_per_node(&self) -> usize {
-        self.inner.rows_per_node()
+    fn inner(&self) -> Option<&dyn ContactKernel> {
+        Some(&*self.inner)
     }
 
-    fn is_nodal(&self) -> bool {
-        self.inner.is_nodal()
-    }
-
-    fn row_nodes(&self) -> &[u32] {
-        self.inner.row_nodes()
+    fn inner_mut(&mut self) -> Option<&mut dyn ContactKernel> {
+        Some(&mut *self.inner)
     }
 
     fn shown_at(&self, row: usize, q: &[f64]) -> Option<u32> {
         self.inner.shown_at(row, &self.in_frame(q, END))
-    }
-
-    fn carriers(&self, row: usize) -> &[u32] {
-        self.inner.carriers(row)
-    }
-
-    fn rows(&self) -> usize {
-        self.inner.rows()
-    }
-
-    fn weights(&self) -> &[f64] {
-        self.inner.weights()
-    }
-
-    fn owns(&self, p: usize, node: u32) -> bool {
-        self.inner.owns(p, node)
-    }
-
-    fn bytes(&self) -> u64 {
-        self.inner.bytes()
-    }
-
-    fn slip_patches(&self) -> &Patches {
-        self.inner.slip_patches()
     }
 
     fn begin_step(&mut self, q_0: &[f64]) {
@@ -219,26 +176,6 @@ impl PatchFunctions for TurningContact {
 
     fn start_gap(&self) -> Vec<f64> {
         self.inner.start_gap()
-    }
-
-    fn set_correction(&mut self, correction: Correction) {
-        self.inner.set_correction(correction);
-    }
-
-    fn turn_about_axis(&mut self) {
-        self.inner.turn_about_axis();
-    }
-
-    fn stand_beside_corners(&mut self) {
-        self.inner.stand_beside_corners();
-    }
-
-    fn set_profiles(&mut self, profiles: [Vec<Profile>; 2]) {
-        self.inner.set_profiles(profiles);
-    }
-
-    fn share_among(&mut self, workers: &Workers) {
-        self.inner.share_among(workers);
     }
 
     fn evaluate(&self, derivative: Derivative, q_1: &[f64], lambda: &[f64], out: &mut Evaluation) {
@@ -262,10 +199,6 @@ impl PatchFunctions for TurningContact {
         self.inner.gap(&self.in_frame(q, END))
     }
 
-    fn slacks(&self) -> Vec<f64> {
-        self.inner.slacks()
-    }
-
     fn coverage(&self, q: &[f64]) -> Vec<f64> {
         self.inner.coverage(&self.in_frame(q, END))
     }
@@ -273,36 +206,22 @@ impl PatchFunctions for TurningContact {
 
 impl CandidateSearch for TurningContact {
     fn update_candidates(&mut self, predicted_motion: &PredictedMotion) -> bool {
-        let (q, fields) = self.predicted_fields(predicted_motion);
-        let in_frame = self.predicted(predicted_motion, &q, &fields);
-        self.inner.update_candidates(&in_frame)
+        let motion = self.motion(predicted_motion);
+        self.inner.update_candidates(&motion.of_points())
     }
 
     fn margin(&self, predicted_motion: &PredictedMotion) -> f64 {
-        let (q, fields) = self.predicted_fields(predicted_motion);
-        self.inner.margin(&self.predicted(predicted_motion, &q, &fields))
+        self.inner.margin(&self.motion(predicted_motion).of_points())
     }
 
     fn overlooks(&self, q_0: &[f64], q_1: &[f64], tolerance: f64) -> bool {
         self.inner.overlooks(&self.in_frame(q_0, START), &self.in_frame(q_1, END), tolerance)
     }
 
-    fn for_each_participant(&self, p: usize, visit: &mut dyn FnMut(u32)) {
-        self.inner.for_each_participant(p, visit);
-    }
-
-    fn candidates(&self) -> Option<&Candidates> {
-        self.inner.candidates()
-    }
-
     fn restore_candidates(&mut self, candidates: &Candidates, q: &[f64]) {
         self.start = q.to_vec();
         let q = self.in_frame(q, START);
         self.inner.restore_candidates(candidates, &q);
-    }
-
-    fn search(&self) -> Option<&PairSearch> {
-        self.inner.search()
     }
 
     fn deepest(&self, q: &[f64]) -> f64 {
@@ -366,24 +285,25 @@ mod tests {
     use super::*;
     use crate::contact::fixtures::{difference, evaluated, product};
     use crate::contact::surface::Surface;
-    use crate::contact::{Facets, Obstacle, ObstacleInSpace, RigidContact, RigidCorners, RigidInSpace};
+    use crate::contact::{Facets, Obstacle, ObstacleInSpace, RigidCorners, rigid_contact};
 
     const TRANSLATIONS: [[f64; 3]; 3] = [[0.1, -0.2, 0.0], [0.12, -0.15, 0.0], [0.15, -0.1, 0.0]];
 
     fn in_plane(q_0: &[f64], of_points: bool) -> TurningContact {
         let obstacle = Obstacle::Polyline { points: vec![[-1.0, -1.0], [1.0, -0.8], [0.2, 0.1], [0.1, 1.0], [-1.0, -1.0]] };
         let inner: Box<dyn ContactKernel> = if of_points {
-            Box::new(RigidCorners::new(&[[0, 1]], &obstacle, q_0, 1.0).expect("a polyline has corners"))
+            Box::new(RigidCorners::new(&Surface::new(&[[0, 1]]), &obstacle, q_0, 1.0).expect("a polyline has corners"))
         } else {
-            Box::new(RigidContact::new(&[[0, 1]], &obstacle, q_0))
+            rigid_contact(Surface::new(&[[0, 1]]), &obstacle, q_0, Default::default())
         };
         begun(inner, TurningAxis::new([0.3, 0.2, 0.0], [0.0, 0.0, 1.0]), q_0)
     }
 
     fn in_space(q_0: &[f64]) -> TurningContact {
         let cube = Facets::cuboid([-0.8, -0.5, -0.4], [0.3, 0.6, 0.7]).expect("it has a volume");
-        let inner = RigidInSpace::new(Surface::in_space([&[0, 1, 2][..]]), &ObstacleInSpace::Facets(cube.into()), q_0);
-        begun(Box::new(inner), TurningAxis::new([0.3, 0.2, -0.4], [1.0, -2.0, 0.5]), q_0)
+        let cube = Obstacle::InSpace(ObstacleInSpace::Facets(cube.into()));
+        let inner = rigid_contact(Surface::in_space([&[0, 1, 2][..]]), &cube, q_0, Default::default());
+        begun(inner, TurningAxis::new([0.3, 0.2, -0.4], [1.0, -2.0, 0.5]), q_0)
     }
 
     fn begun(inner: Box<dyn ContactKernel>, axis: TurningAxis, q_0: &[f64]) -> TurningContact {

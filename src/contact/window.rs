@@ -67,10 +67,48 @@ pub enum MotionBound<'a> {
     },
 }
 
+/// Predicted motion of other points than the nodes.
+pub(super) struct MappedMotion<'a> {
+    of_nodes: PredictedMotion<'a>,
+    q: Vec<f64>,
+    sizes: Vec<f64>,
+    displacements: [Vec<f64>; 2],
+}
+
+impl MappedMotion<'_> {
+    /// Predicted motion of the points.
+    pub fn of_points(&self) -> PredictedMotion<'_> {
+        let [a, b] = &self.displacements;
+        let motion_bound = match self.of_nodes.motion_bound {
+            MotionBound::UpTo(motion_bound) => MotionBound::UpTo(motion_bound),
+            MotionBound::Each { besides, .. } => MotionBound::Each { sizes: &self.sizes, besides },
+            MotionBound::Guessed { factor, .. } => MotionBound::Guessed { displacements: [a, b], factor },
+        };
+        PredictedMotion { q: &self.q, motion_bound, ..self.of_nodes }
+    }
+}
+
 impl<'a> PredictedMotion<'a> {
     /// Step from `q` in which nodes move relative to each other by at most `motion_bound` `[length]`.
     pub fn within(q: &'a [f64], motion_bound: f64) -> Self {
         PredictedMotion { q, motion_bound: MotionBound::UpTo(motion_bound), reach: 1.0, depth: 0.0 }
+    }
+
+    /// Motion of points that are at `q` at the start of the step; `sizes` and `displacements` map motion bounds and displacements of the
+    /// nodes to those of the points.
+    pub(super) fn mapped(
+        &self,
+        q: Vec<f64>,
+        sizes: impl Fn(&[f64]) -> Vec<f64>,
+        displacements: impl Fn(&[f64]) -> Vec<f64>,
+    ) -> MappedMotion<'a> {
+        let mut mapped = MappedMotion { of_nodes: *self, q, sizes: Vec::new(), displacements: Default::default() };
+        match self.motion_bound {
+            MotionBound::UpTo(_) => {}
+            MotionBound::Each { sizes: given, .. } => mapped.sizes = sizes(given),
+            MotionBound::Guessed { displacements: given, .. } => mapped.displacements = given.map(displacements),
+        }
+        mapped
     }
 
     /// Predicted positions at the end of the step `[length]`, by the first displacement field; `None` without predicted fields.

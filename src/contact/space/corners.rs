@@ -375,13 +375,8 @@ impl PatchFunctions for CornersInSpace {
     }
 
     fn start_gap(&self) -> Vec<f64> {
-        let mut gaps = vec![0.0; self.sides.weights.len()];
-        for (patch, z) in self.start.iter().enumerate() {
-            if let Some((row, measure)) = self.row(patch) {
-                gaps[row] = self.sides.weights[row] * self.gap_of(patch, measure, z);
-            }
-        }
-        gaps
+        let gap = |(patch, z): (usize, &Vec<f64>)| self.row(patch).map(|(row, measure)| (row, self.gap_of(patch, measure, z)));
+        self.sides.weighted(self.start.iter().enumerate().filter_map(gap))
     }
 
     fn evaluate(&self, derivative: Derivative, q_1: &[f64], lambda: &[f64], out: &mut Evaluation) {
@@ -428,15 +423,11 @@ impl PatchFunctions for CornersInSpace {
     }
 
     fn gap(&self, q: &[f64]) -> Vec<f64> {
-        let mut gaps = vec![0.0; self.sides.weights.len()];
-        self.rows_at(q).into_iter().for_each(|(row, found)| gaps[row] = self.sides.weights[row] * found.gap);
-        gaps
+        self.sides.weighted(self.rows_at(q).into_iter().map(|(row, found)| (row, found.gap)))
     }
 
     fn coverage(&self, q: &[f64]) -> Vec<f64> {
-        let mut coverage = vec![0.0; self.sides.weights.len()];
-        self.rows_at(q).into_iter().for_each(|(row, _)| coverage[row] = 1.0);
-        coverage
+        self.sides.per_row(self.rows_at(q).into_iter().map(|(row, _)| (row, 1.0)))
     }
 }
 

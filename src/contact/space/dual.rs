@@ -160,7 +160,7 @@ mod tests {
     use super::*;
     use crate::contact::fixtures::{dense_rows, difference, evaluated, product, tangent_along, unbalance_in_space};
     use crate::contact::space::{MortarInSpace, ProxySurfacesInSpace};
-    use crate::contact::{ContactKernel, Correction, PredictedMotion};
+    use crate::contact::{ContactKernel, Correction, PredictedMotion, Setting};
     use crate::integrators::{Configuration, Derivative};
 
     /// Facets of three and four nodes, distorted and warped at random.
@@ -259,7 +259,7 @@ mod tests {
             let middle: Vec<f64> = q_0.iter().zip(&q_1).map(|(a, b)| 0.5 * (a + b)).collect();
             let (mut kernel, moved) = (kernel(&bent(&base(), by), &q_0), difference(&q_1, &q_0));
             for correction in [Correction::PerPatch, Correction::SteadyEnds, Correction::PerNode] {
-                kernel.set_correction(correction);
+                kernel.set(Setting::Correction(correction));
                 let out = evaluated(&*kernel, Derivative::DiscreteGradient, &q_1, &PRESSURES);
                 let rows = dense_rows(&*kernel, &out.gradient_bar, UNKNOWNS);
                 for ((row, end), start) in rows.iter().zip(&out.gap).zip(kernel.start_gap()) {
@@ -281,7 +281,7 @@ mod tests {
         ) {
             let [q_0, q_1] = [q_0, q_1].map(|q| bent(&q, by));
             let (mut kernel, mut compared) = (kernel(&bent(&base(), by), &q_0), 0);
-            kernel.set_correction(Correction::SteadyEnds);
+            kernel.set(Setting::Correction(Correction::SteadyEnds));
             for derivative in Derivative::ALL {
                 let out = evaluated(&*kernel, derivative, &q_1, &PRESSURES);
                 let at = |width: f64| -> Vec<f64> {

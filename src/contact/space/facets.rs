@@ -14,6 +14,7 @@ use rstar::{AABB, PointDistance, RTree, RTreeObject};
 use thiserror::Error;
 
 use crate::contact::edge_plane::AtEdge;
+use crate::contact::obstacle_side::Distance;
 use crate::math::tolerances::{COPLANAR, FACING};
 
 /// Cosine of the angle between the faces at an edge between two sides: 30 degrees.
@@ -21,15 +22,6 @@ const SAME_SIDE: f64 = 0.866_025_403_784_438_6;
 
 /// Cosine of the angle between the faces at a sharp edge: 10 degrees.
 const SMOOTH: f64 = super::features::SMOOTH;
-
-/// Signed distance of a point, its gradient and Hessian, and true if the point is opposite the surface.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Distance {
-    pub gap: f64,
-    pub normal: Vector3<f64>,
-    pub curvature: Matrix3<f64>,
-    pub covered: bool,
-}
 
 /// Flat triangles that bound an obstacle.
 #[derive(Clone, Debug)]
@@ -141,7 +133,7 @@ impl Face {
         }
     }
 
-    fn distance(&self, x: Vector3<f64>) -> Distance {
+    fn distance(&self, x: Vector3<f64>) -> Distance<3> {
         let (at, place) = self.nearest(x);
         let (pseudo, covered, is_plane) = match place {
             Feature::Face => (self.normal, true, true),
@@ -152,12 +144,12 @@ impl Face {
         let is_flat = covered && pseudo.dot(&self.normal) >= 1.0 - COPLANAR;
         if is_plane || is_flat {
             let gap = self.normal.dot(&(x - self.corners[0]));
-            return Distance { gap, normal: self.normal, curvature: Matrix3::zeros(), covered };
+            return Distance::flat(gap, self.normal, covered);
         }
         let (r, sign) = (x - at, if pseudo.dot(&(x - at)) < 0.0 { -1.0 } else { 1.0 });
         let length = r.norm();
         if length == 0.0 {
-            return Distance { gap: 0.0, normal: pseudo, curvature: Matrix3::zeros(), covered };
+            return Distance::flat(0.0, pseudo, covered);
         }
         let normal = r * (sign / length);
         let mut across = Matrix3::identity() - normal * normal.transpose();
@@ -383,12 +375,12 @@ impl Facets {
     }
 
     /// Signed distance from the whole surface.
-    pub(super) fn distance(&self, x: Vector3<f64>) -> Distance {
+    pub(super) fn distance(&self, x: Vector3<f64>) -> Distance<3> {
         from(&self.whole, x)
     }
 
     /// Signed distance from side number `side` of the surface.
-    pub(super) fn side_distance(&self, side: usize, x: Vector3<f64>) -> Distance {
+    pub(super) fn side_distance(&self, side: usize, x: Vector3<f64>) -> Distance<3> {
         from(&self.sides[side], x)
     }
 
@@ -398,15 +390,19 @@ impl Facets {
     }
 
     /// Nearest side of a point, and adjacent sides across re-entrant edges that are opposite the point and nearer than `near`, nearest
-    /// first.
-    pub(super) fn around(&self, x: Vector3<f64>, near: f64) -> (usize, Vec<usize>) {
-        let Some(nearest) = self.whole.nearest_neighbor(x.into()) else { return (0, Vec::new()) };
+    /// first; empty without adjacent ones.
+    pub(super) fn around(&self, x: Vector3<f64>, near: f64) -> Vec<usize> {
+        if !self.has_pockets() {
+            return Vec::new();
+        }
+        let Some(nearest) = self.whole.nearest_neighbor(x.into()) else { return Vec::new() };
         let side = self.side_of[nearest.triangle];
         let seen = self.rising[side].iter().map(|&other| (self.side_distance(other, x), other));
         let mut close: Vec<(f64, usize)> =
             seen.filter(|(at, _)| at.covered && at.gap.abs() < near).map(|(at, other)| (at.gap, other)).collect();
         close.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        (side, close.into_iter().map(|(_, other)| other).collect())
+        let own = (!close.is_empty()).then_some(side);
+        own.into_iter().chain(close.into_iter().map(|(_, other)| other)).collect()
     }
 
     /// Faces at the sharp edge or vertex within `near` of a point, in descending order of the point's signed distance from their planes.
@@ -450,7 +446,7 @@ impl Facets {
 }
 
 /// Signed distance from the faces of a tree; infinite for an empty tree.
-fn from(tree: &RTree<Face>, x: Vector3<f64>) -> Distance {
-    let none = Distance { gap: f64::INFINITY, normal: Vector3::zeros(), curvature: Matrix3::zeros(), covered: false };
+fn from(tree: &RTree<Face>, x: Vector3<f64>) -> Distance<3> {
+    let none = Distance { gap: f64::INFINITY, ..Distance::none() };
     tree.nearest_neighbor(x.into()).map_or(none, |face| face.distance(x))
 }

@@ -45,7 +45,7 @@ pub use mortar::MortarInSpace;
 pub use obstacle::ObstacleInSpace;
 pub(super) use obstacle::Shape as ShapeInSpace;
 pub use press_fit::{PressFit, press_fit};
-pub use rigid::RigidInSpace;
+pub(super) use rigid::RigidInSpace;
 pub use round::RoundInSpace;
 pub use second_order::ProxySurfacesInSpace;
 pub use uneven_fit::{UnevenFit, uneven_fit};

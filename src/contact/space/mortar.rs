@@ -13,7 +13,7 @@ use super::slip;
 use super::vectors::Vec3;
 use super::vertices::{CORNERS, UNKNOWNS};
 use crate::contact::faces;
-use crate::contact::kernel::{CandidateSearch, ContactKernel, Correction, PatchFunctions, RigidObstacle, TangentSink};
+use crate::contact::kernel::{CandidateSearch, ContactKernel, Correction, PatchFunctions, RigidObstacle, Setting, TangentSink};
 use crate::contact::patches::{Evaluation, Patches};
 use crate::contact::search::PairSearch;
 use crate::contact::slip::SlipStep;
@@ -273,12 +273,12 @@ impl PatchFunctions for MortarInSpace {
         self.q_0.extend_from_slice(q_0);
     }
 
-    fn set_correction(&mut self, correction: Correction) {
-        self.correction = correction;
-    }
-
-    fn share_among(&mut self, workers: &Workers) {
-        self.workers = workers.clone();
+    fn set(&mut self, setting: Setting) {
+        match setting {
+            Setting::Correction(correction) => self.correction = correction,
+            Setting::Workers(workers) => self.workers = workers.clone(),
+            Setting::AboutAxis | Setting::BesideCorners | Setting::Profiles(_) => {}
+        }
     }
 
     fn bytes(&self) -> u64 {

@@ -18,17 +18,19 @@ use std::sync::Arc;
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::facets::{Distance, Facets};
+use super::facets::Facets;
 use super::slip::Carrier;
+use crate::contact::edge_plane::{AtEdge, NodeAtEdge};
+use crate::contact::obstacle_side::{Distance, ObstacleSide, StepGradient};
 use crate::contact::surface::Surface;
-use crate::math::tolerances::{PASSING, PROJECTED_INCREMENT, REMAINDER};
+use crate::math::tolerances::{PROJECTED_INCREMENT, REMAINDER};
 
 /// Ratio of the radius of a round obstacle to the longest facet above which nodal constraints suffice: between two nodes on such an
 /// obstacle even a facet stretched by half penetrates by less than a tenth of its length.
 const LARGE: f64 = 3.0;
 
-/// Largest number of samples on a node's path at which its distance is evaluated.
-const LOOKS: f64 = 64.0;
+/// Largest number of sides of an obstacle with pockets that a node or a round part touches simultaneously: three meet in a corner.
+const SIDES: usize = 3;
 
 /// Shape of a rigid obstacle in space at its undisplaced position. Directions have any nonzero length.
 #[derive(Clone, Debug, PartialEq)]
@@ -131,13 +133,6 @@ impl ObstacleInSpace {
         let longest = (0..surface.count()).map(|facet| surface.facet_size(facet, reference)).fold(0.0, f64::max);
         radius <= LARGE * longest * longest / facet_size
     }
-}
-
-/// Discrete gradient, and its derivative with respect to the end point.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct StepGradient {
-    pub bar: Vector3<f64>,
-    pub tangent: Matrix3<f64>,
 }
 
 /// Obstacle prepared for evaluation. `sign` is +1 if the deformable body is outside of the sphere, -1 if it is inside.
@@ -351,13 +346,16 @@ impl Shape {
             _ => Symmetries::default(),
         }
     }
+}
 
-    /// Signed distance of a point in the obstacle's frame.
-    pub(super) fn distance(&self, x: Vector3<f64>) -> Distance {
+impl ObstacleSide<3> for Shape {
+    fn distance(&self, x: Vector3<f64>) -> Option<Distance<3>> {
+        Some(self.at(x))
+    }
+
+    fn at(&self, x: Vector3<f64>) -> Distance<3> {
         match self {
-            Shape::Plane { point, normal } => {
-                Distance { gap: normal.dot(&(x - point)), normal: *normal, curvature: Matrix3::zeros(), covered: true }
-            }
+            Shape::Plane { point, normal } => Distance::flat(normal.dot(&(x - point)), *normal, true),
             Shape::Sphere { center, radius, sign, .. } => {
                 let r = x - center;
                 let length = r.norm();
@@ -384,16 +382,9 @@ impl Shape {
         }
     }
 
-    /// Signed distance of a point in the obstacle's frame, its gradient, and true if the point is opposite the obstacle.
-    pub(in crate::contact) fn signed_distance(&self, x: [f64; 3]) -> (f64, [f64; 3], bool) {
-        let Distance { gap, normal, covered, .. } = self.distance(Vector3::from(x));
-        (gap, normal.into(), covered)
-    }
-
-    /// Discrete gradient between two points in the obstacle's frame; `size` is the facet size.
-    pub(super) fn step_gradient(&self, x_0: Vector3<f64>, x_1: Vector3<f64>, size: f64) -> StepGradient {
+    fn step_gradient(&self, x_0: Vector3<f64>, x_1: Vector3<f64>, size: f64) -> StepGradient<3> {
         match self {
-            Shape::Plane { normal, .. } => StepGradient { bar: *normal, tangent: Matrix3::zeros() },
+            Shape::Plane { normal, .. } => StepGradient::fixed(*normal),
             Shape::Sphere { center, sign, .. } => mean_direction(x_0 - center, x_1 - center, *sign),
             Shape::Revolved { origin, axis, profile } => {
                 let [r_0, r_1] = [x_0 - origin, x_1 - origin];
@@ -411,7 +402,7 @@ impl Shape {
             }
             Shape::Facets(_) | Shape::Side(..) => {
                 let at = |x: Vector3<f64>| {
-                    let Distance { gap, normal, curvature, .. } = self.distance(x);
+                    let Distance { gap, normal, curvature, .. } = self.at(x);
                     Local { value: gap, slope: normal.into(), curvature: curvature.into() }
                 };
                 let (start, middle, end) = (at(x_0).value, at(0.5 * (x_0 + x_1)), at(x_1));
@@ -421,39 +412,39 @@ impl Shape {
         }
     }
 
-    /// Range of the signed distance on the straight path between two points, with distances above `near` replaced by `near`.
-    pub fn direction_change(&self, x_0: Vector3<f64>, x_1: Vector3<f64>, near: f64) -> f64 {
-        // The distance changes by at most the path length, so that short paths need no samples.
-        if self.is_one_sided() || (x_1 - x_0).norm() <= near * PASSING {
-            return 0.0;
-        }
-        let gaps = self.looks(x_0, x_1, near).map(|gap| gap.min(near));
-        let [low, high] = gaps.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], gap| [low.min(gap), high.max(gap)]);
-        (high - low).max(0.0)
+    fn sides_of_node(&self) -> usize {
+        if matches!(self, Shape::Facets(facets) if facets.has_pockets()) { SIDES } else { 1 }
     }
 
-    /// True if the straight path between two outer points crosses the obstacle to its other side.
-    pub fn is_crossed(&self, x_0: Vector3<f64>, x_1: Vector3<f64>, near: f64) -> bool {
-        if self.is_one_sided() {
-            return false;
-        }
-        let [start, end] = [x_0, x_1].map(|x| self.distance(x));
-        if start.normal.dot(&end.normal) >= 0.0 || start.gap < 0.0 || end.gap < 0.0 {
-            return false;
-        }
+    fn pocket(&self, x: Vector3<f64>, near: f64) -> Vec<Self> {
+        let Shape::Facets(facets) = self else { return Vec::new() };
+        let mut sides = facets.around(x, near);
+        sides.truncate(SIDES);
+        // Sides are in an order independent of their distances, so that multipliers stay with their sides.
+        sides.sort_unstable();
+        sides.into_iter().map(|side| Shape::Side(facets.clone(), side)).collect()
+    }
+
+    fn at_edge(&self, x: Vector3<f64>, near: f64) -> Option<AtEdge<3>> {
+        if let Shape::Facets(facets) = self { facets.at_edge(x, near) } else { None }
+    }
+
+    /// Plane of a face in front of which the surface next to the node lies, or a plane through the edge.
+    fn plane_at_edge(&self, node: &NodeAtEdge<3>) -> Option<Self> {
+        let mut planes = node.at.points.iter().zip(&node.at.normals).map(|(point, normal)| [*point, *normal]);
+        let of_face = planes.find(|[_, normal]| node.is_on_edge() && node.is_in_front(*normal));
+        let through_edge = || node.plane_through().filter(|_| node.is_beside_corners && !node.is_on_edge());
+        of_face.or_else(through_edge).map(|[point, normal]| Shape::Plane { point, normal })
+    }
+
+    fn takes_rims(&self) -> bool {
         match self {
-            Shape::Facets(facets) => facets.is_crossed(x_0, x_1),
-            _ => self.looks(x_0, x_1, near).any(|gap| gap < 0.0),
+            Shape::Plane { .. } | Shape::Facets(_) | Shape::Side(..) => true,
+            Shape::Revolved { profile, .. } => matches!(profile, Profile::Cylinder { .. }),
+            Shape::Sphere { .. } => false,
         }
     }
 
-    /// Signed distances at samples of the straight path between two points.
-    fn looks(&self, x_0: Vector3<f64>, x_1: Vector3<f64>, near: f64) -> impl Iterator<Item = f64> {
-        let count = (4.0 * (x_1 - x_0).norm() / near).ceil().clamp(8.0, LOOKS);
-        (0..=count as usize).map(move |k| self.distance(x_0.lerp(&x_1, k as f64 / count)).gap)
-    }
-
-    /// True for obstacles without a far side to which a node could cross.
     fn is_one_sided(&self) -> bool {
         match self {
             Shape::Plane { .. } => true,
@@ -461,6 +452,10 @@ impl Shape {
             Shape::Revolved { profile: Profile::Cylinder { sign, .. } | Profile::Cone { sign, .. }, .. } => *sign < 0.0,
             _ => false,
         }
+    }
+
+    fn crosses_surface(&self, x_0: Vector3<f64>, x_1: Vector3<f64>) -> Option<bool> {
+        if let Shape::Facets(facets) = self { Some(facets.is_crossed(x_0, x_1)) } else { None }
     }
 }
 
@@ -472,10 +467,10 @@ fn polar(r: Vector3<f64>, axis: Vector3<f64>) -> ([f64; 2], Vector3<f64>) {
 }
 
 /// Discrete gradient of the length of a vector times `sign`, parallel to the vector at mid-step.
-fn mean_direction(r_0: Vector3<f64>, r_1: Vector3<f64>, sign: f64) -> StepGradient {
+fn mean_direction(r_0: Vector3<f64>, r_1: Vector3<f64>, sign: f64) -> StepGradient<3> {
     let lengths = r_0.norm() + r_1.norm();
     if lengths == 0.0 {
-        return StepGradient { bar: Vector3::zeros(), tangent: Matrix3::zeros() };
+        return StepGradient::fixed(Vector3::zeros());
     }
     let bar = (r_0 + r_1) * (sign / lengths);
     let toward = r_1.try_normalize(0.0).unwrap_or_default();

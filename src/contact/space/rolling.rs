@@ -1,66 +1,15 @@
-//! Contact of round parts of rigid bodies (`contact/rolling.rs`) in space: distances from obstacles, and slip.
+//! Slip of round parts of rigid bodies (`contact/rolling.rs`) in space.
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 
-use super::facets::Distance;
-use super::obstacle::{Profile, Shape, StepGradient};
+use super::obstacle::Shape;
 use super::slip::{self, Carrier, Group, SlipsInSpace};
 use super::vectors::Vec3;
 use super::vertices::NODES;
 use crate::contact::numbers::Number;
-use crate::contact::obstacle_side::{Local, ObstacleSide};
 use crate::contact::patches::Evaluation;
-use crate::contact::rolling::{RollingContact, Slips};
-use crate::contact::slip::SlipStep;
-
-/// Largest number of sides of an obstacle with pockets that a round part touches simultaneously.
-const SIDES: usize = 3;
-
-impl ObstacleSide<3> for Shape {
-    fn sides(&self) -> usize {
-        match self {
-            Shape::Facets(facets) if facets.has_pockets() => SIDES,
-            _ => 1,
-        }
-    }
-
-    fn near(&self, x: Vector3<f64>, radius: f64, spare: f64) -> Vec<Self> {
-        match self {
-            Shape::Facets(facets) if facets.has_pockets() => {
-                let (nearest, rising) = facets.around(x, radius + spare);
-                if rising.is_empty() {
-                    return vec![self.clone()];
-                }
-                let mut sides: Vec<usize> = std::iter::once(nearest).chain(rising).take(SIDES).collect();
-                sides.sort_unstable();
-                sides.into_iter().map(|side| Shape::Side(facets.clone(), side)).collect()
-            }
-            _ => vec![self.clone()],
-        }
-    }
-
-    fn at(&self, x: Vector3<f64>) -> Local<3> {
-        let Distance { gap, normal, curvature, covered } = self.distance(x);
-        Local { gap, normal, curvature, covered }
-    }
-
-    fn between(&self, x_0: Vector3<f64>, x_1: Vector3<f64>, size: f64) -> (Vector3<f64>, Matrix3<f64>) {
-        let StepGradient { bar, tangent } = self.step_gradient(x_0, x_1, size);
-        (bar, tangent)
-    }
-
-    fn takes_rims(&self) -> bool {
-        match self {
-            Shape::Plane { .. } | Shape::Facets(_) | Shape::Side(..) => true,
-            Shape::Revolved { profile, .. } => matches!(profile, Profile::Cylinder { .. }),
-            Shape::Sphere { .. } => false,
-        }
-    }
-
-    fn passage(&self, x_0: Vector3<f64>, x_1: Vector3<f64>, near: f64) -> (f64, bool) {
-        (self.direction_change(x_0, x_1, near), self.is_crossed(x_0, x_1, near))
-    }
-}
+use crate::contact::rolling::RollingContact;
+use crate::contact::slip::{SlipStep, Slips};
 
 /// Slip of round parts relative to the translating and rotating obstacle.
 impl SlipsInSpace for RollingContact<3, Shape> {

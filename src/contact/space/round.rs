@@ -14,7 +14,6 @@
 
 use nalgebra::{Matrix3, RowSVector, SMatrix, SVector, Vector3};
 
-use super::facets::Distance;
 use super::features::Features;
 use super::obstacle::{ObstacleInSpace, Shape, Symmetries};
 use super::slip::{self, Carrier, Group, SlipsInSpace};
@@ -23,6 +22,7 @@ use super::vertices::NODES;
 use crate::contact::faces;
 use crate::contact::kernel::{CandidateSearch, PatchFunctions, RigidObstacle};
 use crate::contact::numbers::Number;
+use crate::contact::obstacle_side::{Distance, ObstacleSide};
 use crate::contact::patches::Evaluation;
 use crate::contact::slip::SlipStep;
 use crate::contact::surface::{Sides, Surface};
@@ -77,7 +77,7 @@ enum Stretch {
 
 /// Deepest point of an edge at a configuration.
 struct Deepest {
-    at: Distance,
+    at: Distance<3>,
     share: f64,
     gradient: Six,
     kink: Option<Kink>,
@@ -95,7 +95,7 @@ struct Kink {
 
 impl Kink {
     /// Kink from the distances on both sides of a point of an edge; `None` for a smooth distance.
-    fn between([a, b]: [Distance; 2], along: Vector3<f64>) -> Option<Self> {
+    fn between([a, b]: [Distance<3>; 2], along: Vector3<f64>) -> Option<Self> {
         let difference = b.normal - a.normal;
         let jump = difference.dot(&along);
         // Coefficient of the first side's normal in the convex combination.
@@ -112,7 +112,7 @@ impl Kink {
 impl Deepest {
     fn new(shape: &Shape, [a, b]: Ends, stretch: Stretch) -> Self {
         let along = b - a;
-        let slope = |share: f64| shape.distance(a + along * share).normal.dot(&along);
+        let slope = |share: f64| shape.at(a + along * share).normal.dot(&along);
         let (share, beside) = if stretch != Stretch::AfterHole && slope(0.0) >= 0.0 {
             (0.0, None)
         } else if stretch != Stretch::BeforeHole && slope(1.0) <= 0.0 {
@@ -129,8 +129,8 @@ impl Deepest {
             }
             (0.5 * (low + high), Some([low, high]))
         };
-        let mut at = shape.distance(a + along * share);
-        let sides = beside.filter(|_| shape.has_edges()).map(|shares| shares.map(|share| shape.distance(a + along * share)));
+        let mut at = shape.at(a + along * share);
+        let sides = beside.filter(|_| shape.has_edges()).map(|shares| shares.map(|share| shape.at(a + along * share)));
         let kink = sides.and_then(|sides| Kink::between(sides, along));
         let mut normal = at.normal;
         if let Some(kink) = &kink {
@@ -263,7 +263,7 @@ impl RoundInSpace {
         let length = (ends[1] - ends[0]).norm();
         let motion_bound = predicted_motion.motion_bound::<3>(self.sides.patches.nodes(row), &[]) + self.moved();
         let reach = OPEN * size + motion_bound;
-        if ends.iter().all(|&end| self.shape.distance(end).gap > reach + length) {
+        if ends.iter().all(|&end| self.shape.at(end).gap > reach + length) {
             return false;
         }
         let Deepest { at, share, kink, .. } = self.deepest_of(row, ends);
@@ -377,9 +377,7 @@ impl PatchFunctions for RoundInSpace {
     }
 
     fn start_gap(&self) -> Vec<f64> {
-        let mut gaps = vec![0.0; self.sides.weights.len()];
-        self.rows_there().for_each(|row| gaps[row] = self.sides.weights[row] * self.deepest_of(row, self.start[row]).at.gap);
-        gaps
+        self.sides.weighted(self.rows_there().map(|row| (row, self.deepest_of(row, self.start[row]).at.gap)))
     }
 
     fn evaluate(&self, derivative: Derivative, q_1: &[f64], lambda: &[f64], out: &mut Evaluation) {
@@ -407,11 +405,7 @@ impl PatchFunctions for RoundInSpace {
     }
 
     fn gap(&self, q: &[f64]) -> Vec<f64> {
-        let mut gaps = vec![0.0; self.sides.weights.len()];
-        for row in self.rows_there() {
-            gaps[row] = self.sides.weights[row] * self.deepest_of(row, self.ends(row, q, 2)).at.gap;
-        }
-        gaps
+        self.sides.weighted(self.rows_there().map(|row| (row, self.deepest_of(row, self.ends(row, q, 2)).at.gap)))
     }
 
     fn coverage(&self, _q: &[f64]) -> Vec<f64> {

@@ -160,7 +160,7 @@ impl<'a> ProxySurfacesInSpace<'a> {
     }
 
     /// Height of the curved surface over each node or point of a side, averaged over its facets with height profiles `[length]`.
-    pub(super) fn heights(&self, side: usize) -> Vec<f64> {
+    pub fn heights(&self, side: usize) -> Vec<f64> {
         let (surface, profiles) = ([&self.secondary, &self.primary][side], &self.profiles[side]);
         let of_node = |node: usize| {
             let curved = surface.adjacent_facets(node).iter().map(|&facet| facet as usize).filter(|&facet| !profiles[facet].is_flat());

@@ -394,8 +394,8 @@ mod tests {
 
     use super::*;
     use crate::contact::fixtures::{dense_rows_of, difference, evaluated, product, tangent_along, unbalance_in_space};
-    use crate::contact::space::{CornersInSpace, MortarInSpace, ObstacleInSpace, ProxySurfacesInSpace, RigidInSpace, RoundInSpace};
-    use crate::contact::{ContactKernel, PredictedMotion};
+    use crate::contact::space::{CornersInSpace, MortarInSpace, ObstacleInSpace, ProxySurfacesInSpace, RoundInSpace};
+    use crate::contact::{ContactKernel, Obstacle, PredictedMotion, rigid_contact};
     use crate::integrators::Derivative;
 
     /// Facets of a lower body with three by three nodes.
@@ -430,7 +430,8 @@ mod tests {
         let (point, axis) = ([0.9, 1.1, 0.15], [0.1, 1.0, 0.05]);
         let rod = ObstacleInSpace::Cylinder { point, axis, radius: 0.2, is_hollow: false };
         let ball = ObstacleInSpace::Sphere { center: [0.8, 1.3, 1.9], radius: 2.0, axis: [0.0, 0.0, 1.0], is_hollow: false };
-        let mut kernels: Vec<Box<dyn ContactKernel>> = vec![Box::new(RigidInSpace::new(below.clone(), &ball, &base()))];
+        let mut kernels: Vec<Box<dyn ContactKernel>> =
+            vec![rigid_contact(below.clone(), &Obstacle::InSpace(ball), &base(), Default::default())];
         let edges = RoundInSpace::new(&below, &rod, &base(), 1.0);
         kernels.extend(edges.map(|kernel| Box::new(kernel) as Box<dyn ContactKernel>));
         assert_eq!(kernels.len(), 2);

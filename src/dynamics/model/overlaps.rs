@@ -9,7 +9,7 @@ use super::boundaries::boundary_facets;
 use super::definitions::{BodyDefinition, Model};
 use super::hulls::{ALLOWED, BodyHull, Hull, MutualPenetration};
 use super::interactions::{Interaction, ObstacleRotation, Partner};
-use crate::contact::{ContactKernel, Evaluation, Obstacle, PredictedMotion, RigidContact, RigidInSpace, Surface};
+use crate::contact::{ContactKernel, Evaluation, Obstacle, PredictedMotion, Surface, rigid_contact};
 use crate::integrators::Derivative;
 use crate::mesh::Facet;
 
@@ -131,12 +131,11 @@ impl Model {
             kernel.turn_obstacle([turn.as_ref().map_or(0.0, |turn| at(&turn.angle)); 2]);
             kernel
         };
-        let mut kernel = placed(match shape {
-            Obstacle::InSpace(shape) => {
-                Box::new(RigidInSpace::new(self.faces_of(&interaction.secondary.boundary.facets, body), shape, &reference))
-            }
-            _ => Box::new(RigidContact::new(&boundary_facets(self, &interaction.secondary, 0), shape, &reference)),
-        });
+        let surface = match shape {
+            Obstacle::InSpace(_) => self.faces_of(&interaction.secondary.boundary.facets, body),
+            _ => Surface::new(&boundary_facets(self, &interaction.secondary, 0)),
+        };
+        let mut kernel = placed(rigid_contact(surface, shape, &reference, Default::default()));
         kernel.update_candidates(&PredictedMotion::within(&reference, 0.0));
         kernel.begin_step(&reference);
         let size = kernel.facet_size();
@@ -175,10 +174,11 @@ impl Model {
     ) -> Option<(f64, usize)> {
         let (mesh, dimension) = (&self.bodies[body].mesh, self.dimension());
         let reference: Vec<f64> = self.start(body).iter().flat_map(|point| &point[..dimension]).copied().collect();
-        let hull = placed(match shape {
-            Obstacle::InSpace(shape) => Box::new(RigidInSpace::new(self.faces_of(&mesh.hull(), body), shape, &reference)),
-            _ => Box::new(RigidContact::new(&mesh.outline(), shape, &reference)),
-        });
+        let surface = match shape {
+            Obstacle::InSpace(_) => self.faces_of(&mesh.hull(), body),
+            _ => Surface::new(&mesh.outline()),
+        };
+        let hull = placed(rigid_contact(surface, shape, &reference, Default::default()));
         let (mut deepest, mut highest) = ((0.0, 0), f64::NEG_INFINITY);
         for (gap, index) in covered_gaps(&*hull, &reference) {
             highest = highest.max(gap);

@@ -5,8 +5,8 @@ use super::laws::Bilateral;
 use super::round_contacts::RoundContacts;
 use crate::bodies::BarycentricMap;
 use crate::contact::{
-    ContactKernel, CornersInSpace, FacetShape, NodeToSegment, Obstacle, ObstacleInSpace, ProxyNodes, ProxySurfacesInSpace, RigidContact,
-    RigidCorners, RigidInSpace, RoundInSpace, RowsOf, Surface, Tie, rolling_contact, round_contact,
+    ContactKernel, CornersInSpace, FacetShape, NodeToSegment, NodesOnObstacle, Obstacle, ObstacleInSpace, ProxyNodes, ProxySurfacesInSpace,
+    RigidCorners, RoundInSpace, RowsOf, Setting, Surface, Tie, TouchingPoints, rigid_contact, rolling_contact, round_contact,
 };
 use crate::dynamics::model::boundaries::{boundary_faces, boundary_facets, facets_of_all, tie_reach, tied_in_space};
 use crate::dynamics::model::definitions::Model;
@@ -44,7 +44,7 @@ pub fn contact_pairs(
     let corners = made.corners(&pairs);
     let rolling: Vec<ContactPair> = (0..pairs.len()).filter_map(|of| made.rolling(of)).collect();
     let holding = corners.iter().filter(|pair| !pair.only_measures()).filter_map(|pair| pair.corners);
-    holding.for_each(|corners| pairs[corners.pair].kernel.stand_beside_corners());
+    holding.for_each(|corners| pairs[corners.pair].kernel.set(Setting::BesideCorners));
     pairs.extend(corners);
     pairs.extend(rolling);
     pairs.extend(points);
@@ -93,7 +93,7 @@ impl Pairing<'_> {
     fn pair(&self, name: &str, kind: PairKind, body: usize, mut kernel: Box<dyn ContactKernel>) -> ContactPair {
         let modulus = self.model.modulus(body);
         if self.model.is_axisymmetric() {
-            kernel.turn_about_axis();
+            kernel.set(Setting::AboutAxis);
         }
         let mut pair = ContactPair::new(name, kind, kernel, modulus, self.reach);
         pair.is_axisymmetric = self.model.is_axisymmetric();
@@ -125,10 +125,12 @@ impl Pairing<'_> {
 
     fn pair_of(&self, interaction: &Interaction) -> ContactPair {
         let Interaction { name, secondary, partner, .. } = interaction;
-        if let Partner::Obstacle { shape: Obstacle::InSpace(shape), motion, turn } = partner {
+        if let Partner::Obstacle { shape: obstacle @ Obstacle::InSpace(shape), motion, turn } = partner {
             let surfaces = self.in_space(interaction);
-            let kernel = RigidInSpace::of_curve(&surfaces, shape).without(surfaces.belongs_to(&self.round.nodes_inside(interaction)));
-            let kernel = self.turning(turn, surfaces.on_nodes(Box::new(kernel), true));
+            let is_hidden = surfaces.belongs_to(&self.round.nodes_inside(interaction));
+            let nodes = NodesOnObstacle { is_hidden, heights: surfaces.heights(0), ..Default::default() };
+            let kernel = rigid_contact(surfaces.secondary.clone(), obstacle, &surfaces.reference, nodes);
+            let kernel = self.turning(turn, surfaces.on_nodes(kernel, true));
             let mut pair = self.obstacle_pair(name, shape, secondary.body, kernel);
             (pair.motion, pair.turn) = (motion.clone(), turn.clone());
             let mut pair = self.held(pair, interaction, false);
@@ -166,15 +168,15 @@ impl Pairing<'_> {
                 self.pair(name, PairKind::Surfaces, secondary.body, surfaces.on_nodes(kernel))
             }
             Partner::Obstacle { shape, motion, turn } => {
-                let kernel = RigidContact::new(&facets, shape, self.reference).without(&self.round.nodes_inside(interaction));
+                let (surface, inside) = (Surface::new(&facets), self.round.nodes_inside(interaction));
+                let is_hidden = surface.nodes().iter().map(|node| inside.binary_search(node).is_ok()).collect();
                 // Constraints of obstacles belong to the nodes of the surface itself, not to a proxy surface.
-                let kernel = match self.middles.lengths(&facets, self.reference) {
-                    Some(lengths) => kernel.with_weights(lengths),
-                    None => kernel,
-                };
-                let kernel =
-                    if self.model.touches_with_arcs(interaction) { kernel.of_curve(self.reference, interaction.radius()) } else { kernel };
-                let mut pair = self.pair(name, PairKind::Obstacle, secondary.body, self.turning(turn, Box::new(kernel)));
+                let weights = self.middles.lengths(&facets, self.reference);
+                let arcs = TouchingPoints::Arcs { radius: interaction.radius() };
+                let points = if self.model.touches_with_arcs(interaction) { arcs } else { TouchingPoints::Nodes };
+                let nodes = NodesOnObstacle { is_hidden, weights, points, ..Default::default() };
+                let kernel = rigid_contact(surface, shape, self.reference, nodes);
+                let mut pair = self.pair(name, PairKind::Obstacle, secondary.body, self.turning(turn, kernel));
                 (pair.motion, pair.turn) = (motion.clone(), turn.clone());
                 pair
             }
@@ -277,9 +279,9 @@ impl Pairing<'_> {
             if self.round.bodies(interaction).is_some() {
                 continue;
             }
-            if let Partner::Obstacle { shape: Obstacle::InSpace(shape), turn, .. } = &interaction.partner {
+            if let Partner::Obstacle { shape: obstacle @ Obstacle::InSpace(shape), turn, .. } = &interaction.partner {
                 let surfaces = self.in_space(interaction);
-                if let Some(kernel) = RigidCorners::in_space(&surfaces.secondary, shape, &surfaces.reference, size(of)) {
+                if let Some(kernel) = RigidCorners::new(&surfaces.secondary, obstacle, &surfaces.reference, size(of)) {
                     let kernel = self.turning(turn, surfaces.on_nodes(Box::new(kernel), false));
                     add(of, PairKind::Obstacle, interaction.secondary.body, SLACK_IN_SPACE, kernel);
                 }
@@ -302,7 +304,8 @@ impl Pairing<'_> {
             if let Partner::Obstacle { shape, turn, .. } = &interaction.partner {
                 let facets = (self.facets)(&interaction.secondary);
                 let surfaces = self.middles.surfaces([&facets, &[]], self.reference, RowsOf::Facets);
-                if let Some(kernel) = RigidCorners::new(&surfaces.secondary, shape, &surfaces.reference, size(of)) {
+                let surface = Surface::new(&surfaces.secondary);
+                if let Some(kernel) = RigidCorners::new(&surface, shape, &surfaces.reference, size(of)) {
                     let slack = RigidCorners::slack(shape, size(of));
                     let kernel = self.turning(turn, surfaces.on_nodes(Box::new(kernel)));
                     add(of, PairKind::Obstacle, interaction.secondary.body, slack, kernel);

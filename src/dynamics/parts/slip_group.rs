@@ -8,10 +8,8 @@ use super::slip_vector::SlipVector;
 pub enum SlipGroup<'a> {
     /// One constraint in the plane.
     Row(SlipRow<'a>),
-    /// Two constraints in space.
-    Pair(SlipVector<'a, 2>),
-    /// Three constraints of a rotation in space.
-    Triple(SlipVector<'a, 3>),
+    /// Two constraints in space, or three of a rotation in space.
+    Vector(SlipVector<'a>),
 }
 
 impl SlipGroup<'_> {
@@ -19,8 +17,7 @@ impl SlipGroup<'_> {
     pub fn first_state(&self) -> RowState {
         match self {
             SlipGroup::Row(row) => row.first_state(),
-            SlipGroup::Pair(rows) => rows.first_state(),
-            SlipGroup::Triple(rows) => rows.first_state(),
+            SlipGroup::Vector(rows) => rows.first_state(),
         }
     }
 
@@ -28,8 +25,7 @@ impl SlipGroup<'_> {
     pub fn residual(&self) -> (f64, f64) {
         match self {
             SlipGroup::Row(row) => row.residual(),
-            SlipGroup::Pair(rows) => rows.residual(),
-            SlipGroup::Triple(rows) => rows.residual(),
+            SlipGroup::Vector(rows) => rows.residual(),
         }
     }
 
@@ -37,8 +33,7 @@ impl SlipGroup<'_> {
     pub fn excess(&self) -> (f64, f64) {
         match self {
             SlipGroup::Row(row) => (row.lambda / row.pressed.c, row.lambda * row.slip),
-            SlipGroup::Pair(rows) => rows.excess(),
-            SlipGroup::Triple(rows) => rows.excess(),
+            SlipGroup::Vector(rows) => rows.excess(),
         }
     }
 
@@ -46,8 +41,7 @@ impl SlipGroup<'_> {
     pub fn is_directed(&self) -> bool {
         match self {
             SlipGroup::Row(_) => true,
-            SlipGroup::Pair(rows) => rows.is_directed(),
-            SlipGroup::Triple(rows) => rows.is_directed(),
+            SlipGroup::Vector(rows) => rows.is_directed(),
         }
     }
 
@@ -55,39 +49,23 @@ impl SlipGroup<'_> {
     pub fn tolerance(&self) -> f64 {
         match self {
             SlipGroup::Row(row) => row.pressed.tolerance,
-            SlipGroup::Pair(rows) => rows.pressed.tolerance,
-            SlipGroup::Triple(rows) => rows.pressed.tolerance,
+            SlipGroup::Vector(rows) => rows.pressed.tolerance,
         }
     }
 
-    /// Sets the tangential compliance of sticking constraints.
-    pub fn set_compliance(&mut self, compliance: f64) {
+    /// Tangential compliance of sticking constraints.
+    pub fn compliance(&mut self) -> &mut f64 {
         match self {
-            SlipGroup::Row(row) => row.pressed.compliance = compliance,
-            SlipGroup::Pair(rows) => rows.pressed.compliance = compliance,
-            SlipGroup::Triple(rows) => rows.pressed.compliance = compliance,
+            SlipGroup::Row(row) => &mut row.pressed.compliance,
+            SlipGroup::Vector(rows) => &mut rows.pressed.compliance,
         }
-    }
-
-    /// Raises the tangential compliance of sticking constraints to at least `compliance`.
-    pub fn raise_compliance(&mut self, compliance: f64) {
-        let pressed = match self {
-            SlipGroup::Row(row) => &mut row.pressed,
-            SlipGroup::Pair(rows) => &mut rows.pressed,
-            SlipGroup::Triple(rows) => &mut rows.pressed,
-        };
-        pressed.compliance = pressed.compliance.max(compliance);
     }
 
     /// Equations of the constraints in a state; those beyond the number of constraints are inactive.
     pub fn equations(&self, state: RowState) -> [Equation; 3] {
         match self {
             SlipGroup::Row(row) => [row.equation(state), Equation::OPEN, Equation::OPEN],
-            SlipGroup::Pair(rows) => {
-                let [first, second] = rows.equations(state);
-                [first, second, Equation::OPEN]
-            }
-            SlipGroup::Triple(rows) => rows.equations(state),
+            SlipGroup::Vector(rows) => rows.equations(state),
         }
     }
 
@@ -96,9 +74,8 @@ impl SlipGroup<'_> {
     pub fn change(&self, state: RowState, iterate: &Self) -> Option<(RowState, f64)> {
         match (self, iterate) {
             (SlipGroup::Row(row), _) => row.change(state),
-            (SlipGroup::Pair(rows), SlipGroup::Pair(iterate)) => rows.change(state, iterate),
-            (SlipGroup::Triple(rows), SlipGroup::Triple(iterate)) => rows.change(state, iterate),
-            _ => None,
+            (SlipGroup::Vector(rows), SlipGroup::Vector(iterate)) => rows.change(state, iterate),
+            (SlipGroup::Vector(_), SlipGroup::Row(_)) => None,
         }
     }
 }

@@ -25,52 +25,57 @@ use super::laws::{Equation, RowState};
 use crate::contact::Limit;
 use crate::math::tolerances;
 
-/// Tangential constraints of a group at an iterate, one for each of `N` components.
-pub struct SlipVector<'a, const N: usize> {
+/// Components of a slip or of its multipliers; zero beyond the number of tangential constraints.
+type Vector = [f64; 3];
+
+/// Tangential constraints of a group at an iterate, one for each component.
+pub struct SlipVector<'a> {
     /// Data of the normal constraint.
     pub pressed: NormalState<'a>,
+    /// Number of components, 2 or 3.
+    pub count: usize,
     /// Tangential multipliers.
-    pub lambda: [f64; N],
+    pub lambda: Vector,
     /// Slip of the step.
-    pub slip: [f64; N],
+    pub slip: Vector,
     /// Slip for which a constraint that slipped before has zero slip rate at the end of the step; 0 for others.
-    pub rest: [f64; N],
+    pub rest: Vector,
 }
 
 /// Dry multiplier `N(z)` at a trial multiplier `z`, and its derivatives along `z` and perpendicular to it.
-struct Map<const N: usize> {
-    value: [f64; N],
+struct Map {
+    value: Vector,
     along: f64,
     across: f64,
 }
 
-fn size<const N: usize>(a: [f64; N]) -> f64 {
+fn size(a: Vector) -> f64 {
     a.into_iter().fold(0.0, f64::hypot)
 }
 
-fn dot<const N: usize>(a: [f64; N], b: [f64; N]) -> f64 {
+fn dot(a: Vector, b: Vector) -> f64 {
     a.into_iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// Returns `a + s b`.
-fn plus<const N: usize>(a: [f64; N], s: f64, b: [f64; N]) -> [f64; N] {
+fn plus(a: Vector, s: f64, b: Vector) -> Vector {
     std::array::from_fn(|i| a[i] + s * b[i])
 }
 
 /// Direction of a vector; the first axis for a zero vector.
-fn direction<const N: usize>(a: [f64; N]) -> [f64; N] {
+fn direction(a: Vector) -> Vector {
     let size = size(a);
     if size > 0.0 { a.map(|x| x / size) } else { std::array::from_fn(|i| if i == 0 { 1.0 } else { 0.0 }) }
 }
 
-impl<const N: usize> SlipVector<'_, N> {
+impl SlipVector<'_> {
     /// Size of `rest`; 0 at round-off level.
     fn stop(&self) -> f64 {
         let size = size(self.rest);
         if self.pressed.is_clear(size) { size } else { 0.0 }
     }
 
-    fn limit(&self, slip: [f64; N]) -> Limit {
+    fn limit(&self, slip: Vector) -> Limit {
         self.pressed.limit(size(slip))
     }
 
@@ -79,7 +84,7 @@ impl<const N: usize> SlipVector<'_, N> {
     }
 
     /// Multiplier of dry friction: the tangential multiplier without the part of the lubricant film.
-    fn dry(&self) -> [f64; N] {
+    fn dry(&self) -> Vector {
         plus(self.lambda, self.film(), self.slip)
     }
 
@@ -89,7 +94,7 @@ impl<const N: usize> SlipVector<'_, N> {
     }
 
     /// Trial multiplier `z = s - c u`.
-    fn trial(&self, c: f64) -> [f64; N] {
+    fn trial(&self, c: f64) -> Vector {
         plus(self.dry(), -c, self.slip)
     }
 
@@ -105,12 +110,12 @@ impl<const N: usize> SlipVector<'_, N> {
     }
 
     /// Dry multiplier `N(z)` in a state, at the trial multiplier `z = s - c u`.
-    fn map(&self, c: f64, state: RowState, limit: f64) -> Map<N> {
+    fn map(&self, c: f64, state: RowState, limit: f64) -> Map {
         let z = self.trial(c);
         let (size, stop) = (size(z), c * self.stop());
         let share = |part: f64| if size > part { part / size } else { 1.0 };
         match state {
-            RowState::Turns | RowState::Open => Map { value: [0.0; N], along: 0.0, across: 0.0 },
+            RowState::Turns | RowState::Open => Map { value: [0.0; 3], along: 0.0, across: 0.0 },
             RowState::Stops => {
                 let rest = 1.0 - share(stop);
                 Map { value: plus(z, -stop, direction(z)), along: 1.0, across: rest }
@@ -126,7 +131,7 @@ impl<const N: usize> SlipVector<'_, N> {
     pub fn first_state(&self) -> RowState {
         let limit = self.limit(self.slip).shear;
         // Constraints without pressure and motion start sticking.
-        let is_idle = self.pressed.normal <= 0.0 && self.trial(self.pace()) == [0.0; N];
+        let is_idle = self.pressed.normal <= 0.0 && self.trial(self.pace()) == [0.0; 3];
         if limit > 0.0 || is_idle { self.nearest(self.pace(), limit) } else { RowState::Forward }
     }
 
@@ -151,10 +156,10 @@ impl<const N: usize> SlipVector<'_, N> {
         ((size(off) - noise).max(0.0) / c, dot(off, self.slip))
     }
 
-    /// Equations of the constraints in a state.
-    pub fn equations(&self, state: RowState) -> [Equation; N] {
+    /// Equations of the constraints in a state; those beyond the number of constraints are inactive.
+    pub fn equations(&self, state: RowState) -> [Equation; 3] {
         if state == RowState::Open {
-            return [Equation::OPEN; N];
+            return [Equation::OPEN; 3];
         }
         let NormalState { stiffness, compliance, normal, .. } = self.pressed;
         let c = self.pace();
@@ -166,7 +171,7 @@ impl<const N: usize> SlipVector<'_, N> {
         let (Map { value, along, across }, film, by) = (self.map(c, state, shear), self.film(), 1.0 / c);
         let scale = |n: f64| 1.0 / (n + (1.0 - n) * by * stiffness);
         let (scale_along, scale_across) = (scale(along), scale(across));
-        let matrix = |along: f64, across: f64| -> [[f64; N]; N] {
+        let matrix = |along: f64, across: f64| -> [Vector; 3] {
             let (along, across) = (scale_along * along, scale_across * across);
             std::array::from_fn(|i| std::array::from_fn(|j| (along - across) * e[i] * e[j] + if i == j { across } else { 0.0 }))
         };
@@ -179,9 +184,12 @@ impl<const N: usize> SlipVector<'_, N> {
         let missed = plus(value, -1.0, self.dry());
         let scaled = plus(missed.map(|x| scale_across * x), (scale_along - scale_across) * dot(missed, e), e);
         std::array::from_fn(|i| {
+            if i >= self.count {
+                return Equation::OPEN;
+            }
             let beside = |by: usize| {
-                let j = (i + by) % N;
-                if by < N { [gradient[i][j], diagonal[i][j]] } else { [0.0; 2] }
+                let j = (i + by) % self.count;
+                if by < self.count { [gradient[i][j], diagonal[i][j]] } else { [0.0; 2] }
             };
             let right = by * scaled[i] + dot(diagonal[i], self.lambda) - by_normal * normal * e[i];
             Equation {
@@ -204,7 +212,7 @@ impl<const N: usize> SlipVector<'_, N> {
     /// would be a solution where the multiplier of a node at its limit turns: across `e` it exceeds the limit in both states.
     pub fn change(&self, state: RowState, iterate: &Self) -> Option<(RowState, f64)> {
         let (dry, stop, c) = (self.dry(), self.stop(), self.pressed.c);
-        let most = self.limit([0.0; N]).shear / c;
+        let most = self.limit([0.0; 3]).shear / c;
         let e = direction(iterate.trial(iterate.pace()));
         // Slip against the trial, and multiplier opposite to the slip.
         let (forward, against) = (-dot(e, self.slip), -dot(dry, direction(self.slip)) / c);
@@ -226,22 +234,21 @@ impl<const N: usize> SlipVector<'_, N> {
 mod tests {
     use super::*;
 
-    type Pair = [f64; 2];
     use crate::contact::{Coulomb, FrictionLaw};
 
-    fn rows(law: &dyn FrictionLaw, normal: f64, lambda: Pair, slip: Pair, rest: Pair) -> SlipVector<'_, 2> {
+    fn rows(law: &dyn FrictionLaw, normal: f64, lambda: Vector, slip: Vector, rest: Vector) -> SlipVector<'_> {
         let (coefficient, speed, around, compliance, c, tolerance) = (0.3, 2.0, 1.0, 0.0, 5.0, 1e-9);
         let pressed = NormalState { law, coefficient, normal, sense: 1.0, speed, around, compliance, c, stiffness: 3.0 * c, tolerance };
-        SlipVector { pressed, lambda, slip, rest }
+        SlipVector { pressed, count: 2, lambda, slip, rest }
     }
 
     /// Points on the graph of the friction law for a slip limit and a size of `rest`: multiplier, slip, state.
-    fn places(limit: f64, r: f64) -> Vec<(Pair, Pair, RowState)> {
-        let e = [0.6, -0.8];
+    fn places(limit: f64, r: f64) -> Vec<(Vector, Vector, RowState)> {
+        let e = [0.6, -0.8, 0.0];
         let at = |slip: f64, s: f64| (e.map(|e| -s * e), e.map(|e| slip * e));
         let named = |(lambda, slip), state| (lambda, slip, state);
         if r == 0.0 {
-            let stuck = (e.map(|e| 0.5 * limit * e), [0.0; 2], RowState::Closed);
+            let stuck = (e.map(|e| 0.5 * limit * e), [0.0; 3], RowState::Closed);
             return vec![stuck, named(at(0.1, limit), RowState::Forward)];
         }
         vec![
@@ -256,12 +263,12 @@ mod tests {
         let law = Coulomb::default();
         for r in [0.0, 0.2] {
             for (lambda, slip, state) in places(0.6, r) {
-                let at = rows(&law, 2.0, lambda, slip, [0.0, r]);
+                let at = rows(&law, 2.0, lambda, slip, [0.0, r, 0.0]);
                 assert_eq!(at.first_state(), state);
                 assert!(at.residual().0 < 1e-15 && dot(lambda, slip) <= 0.0, "{state:?}");
                 assert_eq!(at.change(state, &at), None, "{state:?}");
                 // The equations are satisfied there by a zero increment.
-                for (k, equation) in at.equations(state).into_iter().enumerate() {
+                for (k, equation) in at.equations(state).into_iter().take(2).enumerate() {
                     let Equation { diagonal, normal, beside, right, .. } = equation;
                     let left = diagonal * lambda[k] + beside[0][1] * lambda[1 - k] + normal * 2.0;
                     assert!((left - right).abs() < 1e-15, "{state:?}: {left} {right}");
@@ -277,7 +284,7 @@ mod tests {
         for r in [0.0, 0.2] {
             let places = places(0.6, r);
             for (index, (lambda, slip, _)) in places.iter().enumerate() {
-                let at = rows(&law, 2.0, *lambda, *slip, [0.0, r]);
+                let at = rows(&law, 2.0, *lambda, *slip, [0.0, r, 0.0]);
                 for (other, (.., wrong)) in places.iter().enumerate() {
                     let asked = at.change(*wrong, &at).map(|(next, _)| next);
                     let next = if other < index { other + 1 } else { other.saturating_sub(1) };
@@ -293,29 +300,29 @@ mod tests {
         let law = Coulomb { static_ratio: 1.6, transition_speed: 0.4, exponent: 2.0, viscosity: 0.3, ..Coulomb::default() };
         let h = 1e-6;
         let cases = [
-            (RowState::Closed, [0.2, 0.1], [0.01, 0.02], 0.0),
-            (RowState::Forward, [0.9, -0.3], [-0.12, 0.05], 0.0),
-            (RowState::Stops, [-0.1, 0.4], [0.06, -0.2], 0.2),
-            (RowState::Turns, [0.01, 0.02], [0.03, 0.05], 0.2),
+            (RowState::Closed, [0.2, 0.1, 0.0], [0.01, 0.02, 0.0], 0.0),
+            (RowState::Forward, [0.9, -0.3, 0.0], [-0.12, 0.05, 0.0], 0.0),
+            (RowState::Stops, [-0.1, 0.4, 0.0], [0.06, -0.2, 0.0], 0.2),
+            (RowState::Turns, [0.01, 0.02, 0.0], [0.03, 0.05, 0.0], 0.2),
         ];
         for (state, lambda, slip, r) in cases {
             // Along the trial and perpendicular to it, divided by the scale that makes the entries of order one.
-            let at = rows(&law, 1.7, lambda, slip, [r, 0.0]);
+            let at = rows(&law, 1.7, lambda, slip, [r, 0.0, 0.0]);
             let (c, e) = (at.pace(), direction(at.trial(at.pace())));
             let Map { along, across, .. } = at.map(c, state, at.pressed.limit((-dot(e, slip)).max(0.0)).shear);
             let [along, across] = [along, across].map(|n| 1.0 / (n * c + (1.0 - n) * at.pressed.stiffness));
-            let scaled = |off: Pair| plus(off.map(|x| across * x), (along - across) * dot(off, e), e);
+            let scaled = |off: Vector| plus(off.map(|x| across * x), (along - across) * dot(off, e), e);
             // Friction limit at the speed opposite to the trial, as in the equation.
-            let missed = |normal: f64, lambda: Pair, slip: Pair| {
-                let at = rows(&law, normal, lambda, slip, [r, 0.0]);
+            let missed = |normal: f64, lambda: Vector, slip: Vector| {
+                let at = rows(&law, normal, lambda, slip, [r, 0.0, 0.0]);
                 let speed = (-dot(direction(at.trial(c)), slip)).max(0.0);
                 scaled(plus(at.dry(), -1.0, at.map(c, state, at.pressed.limit(speed).shear).value))
             };
-            let equations = rows(&law, 1.7, lambda, slip, [r, 0.0]).equations(state);
-            for (i, Equation { gradient, diagonal, normal, beside, .. }) in equations.into_iter().enumerate() {
+            let equations = rows(&law, 1.7, lambda, slip, [r, 0.0, 0.0]).equations(state);
+            for (i, Equation { gradient, diagonal, normal, beside, .. }) in equations.into_iter().take(2).enumerate() {
                 let j = 1 - i;
-                let unit = |k: usize, s: f64| -> Pair { std::array::from_fn(|l| if l == k { s } else { 0.0 }) };
-                let slope = |f: &dyn Fn(f64) -> Pair| (f(h)[i] - f(-h)[i]) / (2.0 * h);
+                let unit = |k: usize, s: f64| -> Vector { std::array::from_fn(|l| if l == k { s } else { 0.0 }) };
+                let slope = |f: &dyn Fn(f64) -> Vector| (f(h)[i] - f(-h)[i]) / (2.0 * h);
                 let by_normal = slope(&|s| missed(1.7 + s, lambda, slip));
                 let by_lambda = [i, j].map(|k| slope(&|s| missed(1.7, plus(lambda, 1.0, unit(k, s)), slip)));
                 assert!((by_normal - normal).abs() < 1e-8, "{state:?} {by_normal} {normal}");

@@ -79,23 +79,14 @@ impl<'a> SlipPlace<'a> {
             tolerance: pair.gap_tolerance,
         };
         let rest = |k: usize| if conditions.stops[first] { rests[k] } else { 0.0 };
-        match self.rows.len() {
-            1 => SlipGroup::Row(SlipRow { pressed, lambda: lambda[first], slip: slip(first), rest: rest(0), is_held }),
-            2 => SlipGroup::Pair(vector(pressed, |k| lambda[first + k], |k| slip(first + k), rest)),
-            _ => SlipGroup::Triple(vector(pressed, |k| lambda[first + k], |k| slip(first + k), rest)),
+        let count = self.rows.len();
+        if count == 1 {
+            return SlipGroup::Row(SlipRow { pressed, lambda: lambda[first], slip: slip(first), rest: rest(0), is_held });
         }
+        let vector = |of: &dyn Fn(usize) -> f64| std::array::from_fn(|k| if k < count { of(k) } else { 0.0 });
+        let (lambda, slip) = (vector(&|k| lambda[first + k]), vector(&|k| slip(first + k)));
+        SlipGroup::Vector(SlipVector { pressed, count, lambda, slip, rest: vector(&rest) })
     }
-}
-
-/// Tangential constraints of a group with the components of multiplier, slip and rest.
-fn vector<const N: usize>(
-    pressed: NormalState<'_>,
-    lambda: impl Fn(usize) -> f64,
-    slip: impl Fn(usize) -> f64,
-    rest: impl Fn(usize) -> f64,
-) -> SlipVector<'_, N> {
-    use std::array::from_fn;
-    SlipVector { pressed, lambda: from_fn(lambda), slip: from_fn(slip), rest: from_fn(rest) }
 }
 
 /// Tangential constraints of all pairs at an iterate.
@@ -234,10 +225,11 @@ pub fn constraint_rows<const D: usize>(
     let held = rows_of_nodes(equations, set);
     for place in slips_at(equations, at).filter(|place| set[place.rows.start].acts()) {
         let (mut group, first) = (place.at(conditions, at), place.rows.start);
-        group.set_compliance(conditions.compliance_at(first, compliance_ratio) + proximal.map_or(0.0, |terms| terms[first]));
+        *group.compliance() = conditions.compliance_at(first, compliance_ratio) + proximal.map_or(0.0, |terms| terms[first]);
         // Overconstrained node: sticking constraints are compliant until the multipliers are found.
         if place.pair.node_of(first).is_some_and(|node| held[&node] > equations.supports.free_components::<D>(node)) {
-            group.raise_compliance(compliance_ratio / (tolerances::SHARED_AUGMENTATION * conditions.stiffness[first]));
+            let least = compliance_ratio / (tolerances::SHARED_AUGMENTATION * conditions.stiffness[first]);
+            *group.compliance() = group.compliance().max(least);
         }
         for (row, equation) in place.rows.zip(group.equations(set[first])) {
             rows.0[row] = equation;

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use super::iterate::Linearization;
 use super::making::PointInertia;
 use crate::bodies::{BodyState, Elements, Space};
-use crate::contact::Correction;
+use crate::contact::{Correction, Setting};
 use crate::dynamics::model::part::{Part, PartHistories, Pose};
 use crate::dynamics::model::step_error::StepError;
 use crate::dynamics::parts::body::Body;
@@ -256,7 +256,7 @@ impl<const D: usize> Equations<D> {
 
     /// Chooses the contact kernels' discrete gradient.
     pub fn set_correction(&mut self, correction: Correction) {
-        self.pairs.iter_mut().for_each(|pair| pair.kernel.set_correction(correction));
+        self.pairs.iter_mut().for_each(|pair| pair.kernel.set(Setting::Correction(correction)));
     }
 
     /// Moves the rigid obstacles to their positions in a step of size `dt` from `time`.

@@ -20,7 +20,7 @@ use super::making::{PointInertia, bodies_of, deformable, loads_of, mass_of, part
 use super::matrix::{Matrix, pattern_of};
 use super::search_history::SearchHistory;
 use crate::bodies::{Elements, Space};
-use crate::contact::PredictedMotion;
+use crate::contact::{PredictedMotion, Setting};
 use crate::dynamics::model::boundaries::middles;
 use crate::dynamics::model::definitions::Model;
 use crate::dynamics::model::error::ModelError;
@@ -115,7 +115,7 @@ where
         let nodes = Nodes::new(model, &bodies, reference, (&supports.fixed, &followers), mass);
         loads.extend(varying_gravity(model, &nodes.nodal_mass));
         let workers = Workers::new(threads);
-        pairs.iter_mut().for_each(|pair| pair.kernel.share_among(&workers));
+        pairs.iter_mut().for_each(|pair| pair.kernel.set(Setting::Workers(&workers)));
         let matrix = Matrix::new(pattern, solver, &nodes.reference, &workers).map_err(|error| match error {
             LinearError::Ranks(error) => ModelError::Ranks(error),
             error => ModelError::TooLarge { reason: error.to_string() },
