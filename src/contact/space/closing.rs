@@ -21,10 +21,13 @@
 //! d/dp_j =   int N_j (W grad B_1 + C grad W) dA
 //! d/dp_m =   int W M_m grad C dA + (G.grad M_m) m + q_m Q           d/dh_m = - G.grad M_m
 //! ```
+//!
+//! With the stretches `s_1`, `s_2` that multiply the profiles (`stretch.rs`), the derivatives with respect to `ln s_1` and `ln s_2` are
+//! `-int W B_1 dA` and `-(1 + |mu|^2/2) A - 2 mu.Q`.
 
 use std::ops::Mul;
 
-use super::profiles::{Form, derivatives};
+use super::forms::{Form, Quadratic, TIMES, derivatives};
 use super::vertices::{Forces, OfPrimary, PerTriangle, PolygonBorder, Vertex, outward, slope_of};
 use crate::contact::numbers::Number;
 
@@ -59,6 +62,8 @@ pub struct Closing<T> {
     factor: [f64; 3],
     /// Minus the derivatives of `e`.
     tilts: [f64; 2],
+    /// `1 + |mu|^2/2`.
+    upright: f64,
 }
 
 /// Tilt of a primary triangle against the plane of projection.
@@ -82,58 +87,6 @@ pub struct Moments<T, R> {
     other: [R; 10],
     /// Integrals `int C N_j` of the closed gap `C`.
     closed: [T; 3],
-}
-
-/// Polynomial of second degree in two of the shape functions of a triangle, the first of which follows: coefficients of
-/// `1, x, y, x^2, x y, y^2`.
-#[derive(Clone, Copy)]
-struct Quadratic([f64; 6]);
-
-/// Places of `x` and of `y` times the terms of a [`Quadratic`] among `1, x, y, x^2, x y, y^2, x^3, x^2 y, x y^2, y^3`.
-const TIMES: [[usize; 6]; 2] = [[1, 3, 4, 6, 7, 8], [2, 4, 5, 7, 8, 9]];
-
-impl Quadratic {
-    /// Height profile of a triangle.
-    #[inline(always)]
-    fn of_form(&[a, b, c, ab, bc, ca]: &Form) -> Self {
-        Quadratic([a, 2.0 * (ab - a), 2.0 * (ca - a), a + b - 2.0 * ab, 2.0 * (a + bc - ab - ca), a + c - 2.0 * ca])
-    }
-
-    #[inline(always)]
-    fn at<T: Number>(&self, [x, y]: [T; 2]) -> T {
-        let c = &self.0;
-        (x * c[3] + y * c[4] + c[1]) * x + (y * c[5] + c[2]) * y + c[0]
-    }
-
-    /// Derivatives by `x` and by `y`: coefficients of `1, x, y`.
-    #[inline(always)]
-    fn rises(&self) -> [[f64; 3]; 2] {
-        let c = &self.0;
-        [[c[1], 2.0 * c[3], c[4]], [c[2], c[4], 2.0 * c[5]]]
-    }
-
-    /// Product of two affine functions.
-    #[inline(always)]
-    fn product(a: &[f64; 3], b: &[f64; 3]) -> Self {
-        Quadratic([b[0] * a[0], b[1] * a[0] + b[0] * a[1], b[2] * a[0] + b[0] * a[2], b[1] * a[1], b[2] * a[1] + b[1] * a[2], b[2] * a[2]])
-    }
-
-    /// Integral from moments of the terms, which are at `places`.
-    #[inline(always)]
-    fn integral<R: Number, const N: usize>(&self, moments: &[R; N], places: [usize; 6]) -> R {
-        let mut sum = moments[places[0]] * self.0[0];
-        for term in 1..6 {
-            sum += moments[places[term]] * self.0[term];
-        }
-        sum
-    }
-
-    /// Integrals of the polynomial times the three shape functions.
-    #[inline(always)]
-    fn by_shapes<R: Number>(&self, moments: &[R; 10]) -> [R; 3] {
-        let [of_x, of_y] = [self.integral(moments, TIMES[0]), self.integral(moments, TIMES[1])];
-        [self.integral(moments, [0, 1, 2, 3, 4, 5]) - of_x - of_y, of_x, of_y]
-    }
 }
 
 /// Adds moments `1, x, y, x^2, x y, y^2` and, for ten of them, those of third degree.
@@ -192,6 +145,19 @@ impl<T: Number> Tilt<T> {
         Tilt { gradients, slope, per, mu, q }
     }
 
+    /// `1 + |mu|^2/2`.
+    #[inline(always)]
+    fn upright(&self) -> T {
+        plane_product(self.mu, self.mu) * 0.5 + 1.0
+    }
+
+    /// `(1 + |mu|^2/2) A + times mu.Q`, from `A` and the components of `Q` along the gradients of the second and third shape function: for
+    /// `times` 1 the integral of `W` times the primary part of `C`, for 2 and 4 its first and second derivative with respect to `ln s_2`.
+    #[inline(always)]
+    pub fn closed<R: Number + Mul<T, Output = R>>(&self, [height, first, second]: [R; 3], times: f64) -> R {
+        height * self.upright() + (first * self.q[1] + second * self.q[2]) * times
+    }
+
     /// Derivatives of `Phi` by way of the tilt with respect to plane coordinates and height of the corners: `A`, and the components of `Q`
     /// along the gradients of the second and third shape function.
     #[inline(always)]
@@ -219,17 +185,18 @@ impl Closing<f64> {
     pub fn new(gradients: PerTriangle<[f64; 2]>, tilt: &Tilt<f64>, forms: [Form; 2]) -> Self {
         let heights = [Quadratic::of_form(&forms[0]), Quadratic::of_form(&forms[1])];
         let ([by_x, by_y], r) = (heights[1].rises(), derivatives(&forms[1], &tilt.q));
-        let mut factor = [plane_product(tilt.mu, tilt.mu) * 0.5 + 1.0, 0.0, 0.0];
+        let upright = tilt.upright();
+        let mut factor = [upright, 0.0, 0.0];
         for term in 0..3 {
             factor[term] -= tilt.q[1] * by_x[term] + tilt.q[2] * by_y[term];
         }
-        Closing { gradients, heights, factor, tilts: [r[1] - r[0], r[2] - r[0]] }
+        Closing { gradients, heights, factor, tilts: [r[1] - r[0], r[2] - r[0]], upright }
     }
 
     /// Profiles with derivatives, for a constant tilt.
     #[inline(always)]
     pub fn with_gradients<T>(&self, gradients: PerTriangle<[T; 2]>) -> Closing<T> {
-        Closing { gradients, heights: self.heights, factor: self.factor, tilts: self.tilts }
+        Closing { gradients, heights: self.heights, factor: self.factor, tilts: self.tilts, upright: self.upright }
     }
 
     /// Derivatives of the primary part of `C` with respect to the second and third shape function.
@@ -342,6 +309,24 @@ impl Closing<f64> {
         }
         sums
     }
+
+    /// Integrals of `W f dC` over an edge, as [`Closing::along_edge`], for the derivatives `dC` with respect to `ln s_1` and `ln s_2`.
+    #[inline(always)]
+    pub fn along_edge_by_stretches(&self, ends: [&Vertex<f64>; 2], weight: [f64; 2]) -> [[f64; 2]; 2] {
+        let mut sums = [[0.0; 2]; 2];
+        let e = &self.factor;
+        for (t, share) in GAUSS {
+            let [[_, l_1, l_2], [_, x, y]] = on_edge(ends, t);
+            let weight = (weight[0] * (1.0 - t) + weight[1] * t) * share;
+            let factor = 2.0 * (e[0] + e[1] * x + e[2] * y) - self.upright;
+            let parts = [weight * self.heights[0].at([l_1, l_2]), weight * self.heights[1].at([x, y]) * factor];
+            for (sum, part) in sums.iter_mut().zip(parts) {
+                sum[0] += part * (1.0 - t);
+                sum[1] += part * t;
+            }
+        }
+        sums
+    }
 }
 
 impl<T: Number> Closing<T> {
@@ -409,6 +394,12 @@ impl<T: Number> Closing<T> {
             }
         }
         tilting
+    }
+
+    /// Integral `int W B_1 dA` of the secondary profile.
+    #[inline(always)]
+    pub fn secondary<R: Number>(&self, moments: &Moments<T, R>) -> R {
+        self.heights[0].integral(&moments.own, [0, 1, 2, 3, 4, 5])
     }
 
     /// Plane vector from its components along the gradients of the second and third shape function of a side.

@@ -3,8 +3,8 @@
 use nalgebra::{Matrix6, Vector6};
 
 use super::closing::POINTS;
-use super::interior::Interior;
-use super::profiles::{Form, Profile};
+use super::forms::Form;
+use super::profiles::Profile;
 use crate::contact::faces::{self, Vector};
 use crate::math::tolerances;
 
@@ -29,22 +29,13 @@ pub(super) fn exact_profile(height_of: impl Fn(Vector, Vector) -> Option<f64>, n
     if let &[a, b, c] = &points[..] {
         return projected(height, [a, b, c]).map(Profile::of_form);
     }
-    let (Ok(corners), Ok(sagittas)) = (<[f64; 4]>::try_from(corners), <[f64; 4]>::try_from(sagittas)) else { return None };
+    let corners = <[f64; 4]>::try_from(corners).ok()?;
     let center = faces::middle(nodes, q);
-    let middle = height(center)?;
-    let mut spokes = [0.0; 4];
-    for (k, spoke) in spokes.iter_mut().enumerate() {
-        *spoke = sagitta(points[k], center, [corners[k], middle])?;
+    let mut forms = [Form::default(); 4];
+    for (k, form) in forms.iter_mut().enumerate() {
+        *form = projected(height, [points[k], points[(k + 1) % 4], center])?;
     }
-    // The sagittas from corners to the mean point are corrected so that each triangle has its exact mean height, by a rule of degree four.
-    let mut missing = [0.0; 4];
-    for (k, missing) in missing.iter_mut().enumerate() {
-        let next = (k + 1) % 4;
-        let mean = mean_height(height, [points[k], points[next], center])?;
-        *missing = mean - (corners[k] + corners[next] + middle + sagittas[k] + spokes[k] + spokes[next]) / 3.0;
-    }
-    (0..4).for_each(|k| spokes[k] += 0.75 * (missing[k] + missing[(k + 3) % 4]));
-    Some(Profile::of_four(&corners, &sagittas, &Interior { middle, spokes }))
+    Some(Profile::of_forms(forms, corners))
 }
 
 /// Quadratic height over a triangle with the least mean square deviation from a height: integrals with all quadratic functions are equal.
@@ -70,8 +61,3 @@ const PARTS: [[[f64; 3]; 3]; 4] = [
     [[0.0, 0.0, 1.0], [0.5, 0.0, 0.5], [0.0, 0.5, 0.5]],
     [[0.5, 0.5, 0.0], [0.0, 0.5, 0.5], [0.5, 0.0, 0.5]],
 ];
-
-/// Mean height over a triangle.
-fn mean_height(height: impl Fn(Vector) -> Option<f64>, [a, b, c]: [Vector; 3]) -> Option<f64> {
-    POINTS.iter().map(|(at, weight)| height(a * at[0] + b * at[1] + c * at[2]).map(|height| weight * height)).sum()
-}

@@ -2,7 +2,8 @@
 //!
 //! ```text
 //! vertex v, facet y_1..y_k (mean point y):  g = n.(v - y),        n = N/|N|, N = (y_3 - y_1) x (y_4 - y_2)
-//! vertex v, triangle with profile B:        g - B at the projection of v; facets of four nodes have four triangles about y
+//! vertex v, triangle with profile B:        g - s B at the projection of v; facets of four nodes have four triangles about y,
+//!                                           s: stretch of the facet (`stretch.rs`)
 //! edges a b, c d:                           g = sigma n.(c - a),  n = N/|N|, N = (b - a) x (d - c)
 //! ```
 //!
@@ -10,8 +11,10 @@
 //! gradient of the edge gap is `-n (1 - s)`, `-n s`, `n (1 - t)`, `n t` with the feet `s`, `t` of the common perpendicular, where the terms
 //! with the derivative of `n` vanish. All functions are generic in the number type, so that numbers with derivatives give the Hessian.
 
-use super::profiles::{Form, Profile, derivatives, value};
-use super::vectors::{self, FacetFrame, Gradient, Jet, Vec3, cross, diagonals, dot, scaled, sub};
+use super::forms::{Form, derivatives, value};
+use super::profiles::Profile;
+use super::stretch::{Stretch, Stretched};
+use super::vectors::{self, FacetFrame, Gradient, Jet, Vec3, cross, diagonal_ends, diagonals, dot, scaled, sub};
 use crate::contact::numbers::Number;
 
 /// Largest number of nodes of a constraint.
@@ -25,9 +28,9 @@ pub const UNKNOWNS: usize = 3 * NODES;
 pub enum Measure {
     /// Vertex against a flat facet with the given number of nodes.
     Facet(usize),
-    /// Vertex against a triangle with a height profile, whose shape functions distribute the force. `None`: a facet of three nodes;
-    /// `Some(k)`: the triangle of nodes `k`, `k + 1` and the mean point of a facet of four nodes.
-    Over(Option<usize>, Form),
+    /// Vertex against a triangle with a height profile that follows the stretch of its facet. The shape functions distribute the force.
+    /// `None`: a facet of three nodes; `Some(k)`: the triangle of nodes `k`, `k + 1` and the mean point of a facet of four nodes.
+    Over(Option<usize>, Form, Stretch),
     /// Two edges, with the sign `sigma` of their normal.
     Edges(f64),
 }
@@ -73,7 +76,10 @@ impl Measure {
                 let middle: Vec3<f64> = std::array::from_fn(|i| y.iter().map(|y| y[i]).sum::<f64>() / count as f64);
                 dot(Spread::new(diagonals(y)).normal, sub(v, middle))
             }
-            Measure::Over(first, form) => over(triangle(z, first), &form).0,
+            Measure::Over(first, form, stretch) => {
+                let (flat, height, _) = over(triangle(z, first), &form, stretch.at(&z[1..]).by);
+                flat - height
+            }
             Measure::Edges(sign) => sign * dot(Spread::of_edges(z).normal, sub(z[2], z[0])),
         }
     }
@@ -97,28 +103,30 @@ impl Measure {
                 (1..=count).for_each(|k| gradient[k] = n.map(|n| n * -share));
                 // Derivative of the normal direction: d N.lever = d first.(second x lever) + d second.(lever x first).
                 let (of_first, of_second) = (cross(spread.second, lever), cross(lever, spread.first));
-                let ends = if count == 3 { [(2, 1), (3, 1)] } else { [(3, 1), (4, 2)] };
-                for ((to, from), force) in ends.into_iter().zip([of_first, of_second]) {
+                for ((from, to), force) in diagonal_ends(count).into_iter().zip([of_first, of_second]) {
                     for i in 0..3 {
-                        gradient[to][i] += force[i];
-                        gradient[from][i] -= force[i];
+                        gradient[1 + to][i] += force[i];
+                        gradient[1 + from][i] -= force[i];
                     }
                 }
             }
-            Measure::Over(first, form) => {
-                let (_, of) = over(triangle(z, first), &form);
-                let Some(k) = first else {
+            Measure::Over(first, form, stretch) => {
+                let Stretched { by, rises } = stretch.at(&z[1..]);
+                let (_, height, of) = over(triangle(z, first), &form, by);
+                if let Some(k) = first {
+                    let [of_vertex, of_node, of_next, of_middle] = of;
+                    (gradient[0], gradient[1 + k], gradient[1 + (k + 1) % 4]) = (of_vertex, of_node, of_next);
+                    for gradient in &mut gradient[1..] {
+                        for i in 0..3 {
+                            gradient[i] += of_middle[i] * 0.25;
+                        }
+                    }
+                } else {
                     gradient[..4].copy_from_slice(&of);
-                    return gradient;
-                };
-                let [of_vertex, of_node, of_next, of_middle] = of;
-                gradient[0] = of_vertex;
-                for (place, force) in [(1 + k, of_node), (1 + (k + 1) % 4, of_next)] {
-                    gradient[place] = force;
                 }
-                for gradient in &mut gradient[1..] {
+                for (gradient, rise) in gradient[1..].iter_mut().zip(rises) {
                     for i in 0..3 {
-                        gradient[i] += of_middle[i] * 0.25;
+                        gradient[i] -= height * rise[i];
                     }
                 }
             }
@@ -177,7 +185,7 @@ impl Measure {
     /// Gap function of a vertex against the triangle of the facet below it.
     pub fn above(z: &[Vec3<f64>], profile: &Profile) -> Measure {
         let first = (z.len() > 4).then(|| foot(z[0], &z[1..]).0);
-        Measure::Over(first, *profile.form(first.unwrap_or(0)))
+        Measure::Over(first, *profile.form(first.unwrap_or(0)), profile.stretch)
     }
 
     /// Feet of the common perpendicular of two edges, and sine of the angle between them.
@@ -205,17 +213,18 @@ fn triangle<T: Number>(z: &[Vec3<T>], first: Option<usize>) -> [Vec3<T>; 4] {
     [z[0], y[k], y[(k + 1) % 4], middle]
 }
 
-/// Gap of a vertex over a triangle with a height profile, and its gradient. With the flat gap `g`, the dual vectors `e_a` of the sides
-/// `d_a` and the gradient `b` of the profile, `d gap = (n - b).(dv - sum M_k dy_k) - g sum (b.e_a) n.dd_a`.
+/// Gap `g` of a vertex over a triangle, height of the profile there, and the gradient of their difference for a constant factor `by` of
+/// the profile. With the dual vectors `e_a` of the sides `d_a` and the gradient `b` of the profile it is
+/// `(n - b).(dv - sum M_k dy_k) - g sum (b.e_a) n.dd_a`.
 #[inline(always)]
-fn over<T: Number>([v, y_0, y_1, y_2]: [Vec3<T>; 4], form: &Form) -> (T, [Vec3<T>; 4]) {
+fn over<T: Number>([v, y_0, y_1, y_2]: [Vec3<T>; 4], form: &Form, by: T) -> (T, T, [Vec3<T>; 4]) {
     let [first, second, arm] = [sub(y_1, y_0), sub(y_2, y_0), sub(v, y_0)];
     let spread = Spread::new([first, second]);
     let (n, inverse) = (spread.normal, spread.length.recip());
     let duals = [scaled(cross(second, n), inverse), scaled(cross(n, first), inverse)];
     let [of_first, of_second] = [dot(arm, duals[0]), dot(arm, duals[1])];
     let shares = [-(of_first + of_second) + 1.0, of_first, of_second];
-    let (rises, flat) = (derivatives(form, &shares), dot(arm, n));
+    let (rises, flat) = (scaled(derivatives(form, &shares), by), dot(arm, n));
     let slopes = [rises[1] - rises[0], rises[2] - rises[0]];
     let (mut slope, mut push) = ([T::from(0.0); 3], n);
     for i in 0..3 {
@@ -233,7 +242,7 @@ fn over<T: Number>([v, y_0, y_1, y_2]: [Vec3<T>; 4], form: &Form) -> (T, [Vec3<T
             gradient[2 + a][i] -= turn[i];
         }
     }
-    (flat - value(&rises, &shares), gradient)
+    (flat, value(&rises, &shares), gradient)
 }
 
 /// Triangle of a facet about its mean point into which `v` projects along the facet's normal, and piecewise linear coefficients of the
@@ -279,10 +288,13 @@ mod tests {
             let facet = [[0.4, 0.5, 0.3], [0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
             let edges = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.5, -0.5, 0.2], [0.5, 0.5, 0.2], [0.0; 3]];
             let form = [0.1, -0.05, 0.02, 0.2, 0.1, 0.15];
-            let of_facets = [Measure::Facet(4), Measure::Facet(3), Measure::Over(Some(3), form), Measure::Over(None, form)];
+            let stretch = |profile: Profile, count: usize| profile.on_facet(&facet[1..=count]).stretch;
+            let [of_four, of_three] = [stretch(Profile::new(&[0.0; 4], &[0.1, 0.0, 0.2, 0.0]), 4), stretch(Profile::of_form(form), 3)];
+            let of_facets =
+                [Measure::Facet(4), Measure::Facet(3), Measure::Over(Some(3), form, of_four), Measure::Over(None, form, of_three)];
             let of_facets = of_facets.map(|measure| (measure, facet));
             for (measure, base) in of_facets.into_iter().chain([(Measure::Edges(-1.0), edges)]) {
-                let count = match measure { Measure::Facet(count) => count + 1, Measure::Over(Some(_), _) => 5, _ => 4 };
+                let count = match measure { Measure::Facet(count) => count + 1, Measure::Over(Some(_), ..) => 5, _ => 4 };
                 let z: Vec<Vec3<f64>> =
                     base[..count].iter().enumerate().map(|(k, x)| std::array::from_fn(|i| x[i] + noise[3 * k + i])).collect();
                 let gradient = measure.gradient(&z);

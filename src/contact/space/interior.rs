@@ -12,6 +12,7 @@
 
 use nalgebra::{Matrix2, Vector2};
 
+use super::forms::Form;
 use crate::contact::faces::Vector;
 
 /// Heights of a facet of four nodes over its four triangles `[length]`: `middle` over the mean point; `spokes`: sagittas along the lines
@@ -20,7 +21,17 @@ use crate::contact::faces::Vector;
 pub struct Interior {
     pub middle: f64,
     pub spokes: [f64; 4],
+    /// Coefficient `b` of the bubble function.
+    pub bubble: f64,
+    /// Terms of fourth degree along each side.
+    pub quartics: [f64; 4],
 }
+
+/// Quadratic functions on the triangle of the corners `(-1, -1)`, `(1, -1)` and the mean point with the least mean square deviation from
+/// `u(xi)`, from `u(eta)`, and from the difference between the bubble function and its representation by `middle` and `spokes`.
+const ALONG: Form = [-27.0 / 70.0, -27.0 / 70.0, 17.0 / 70.0, 51.0 / 70.0, 0.1, 0.1];
+const ACROSS: Form = [-1.0 / 14.0, -1.0 / 14.0, 29.0 / 70.0, -1.0 / 14.0, -0.3, -0.3];
+const BUBBLE: Form = [-4.0 / 21.0, -4.0 / 21.0, 1.0 / 14.0, 13.0 / 42.0, 0.0, 0.0];
 
 /// Signs of the facet coordinates `xi` and `eta` at the corners.
 const CORNERS: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
@@ -33,7 +44,7 @@ impl Interior {
         // Height at a quarter of the diagonal from a corner: 3/4 (3/4 (s + s) + 1/4 (s + s)), first with the sagittas of the two adjacent
         // sides, then with those of the two other sides.
         let spoke = |k: usize| 0.375 * (sagittas[k] + sagittas[(k + 3) % 4]) - 0.0625 * sum;
-        Interior { middle: corners.iter().sum::<f64>() / 4.0 + 0.5 * sum, spokes: [0, 1, 2, 3].map(spoke) }
+        Interior { middle: corners.iter().sum::<f64>() / 4.0 + 0.5 * sum, spokes: [0, 1, 2, 3].map(spoke), bubble: 0.0, quartics: [0.0; 4] }
     }
 
     /// Heights over a facet with the given nodes and unit normal.
@@ -52,12 +63,21 @@ impl Interior {
         let slope = q * inverse * q;
         let bubble = -(a * slope.m22 + b * slope.m11 + 4.0 * c * slope.m12 + skew.dot(&(q * skew)));
         interior.middle += bubble;
+        interior.bubble = bubble;
         for (spoke, at) in interior.spokes.iter_mut().zip(CORNERS) {
             let fall = skew.dot(&(q * Vector2::from(at)));
             // The mean of (1 - xi^2)(1 - eta^2) is 4/9.
             *spoke += bubble / 6.0 - 0.25 * at[0] * at[1] * (warp + fall);
         }
         interior
+    }
+
+    /// Adds the terms of fourth degree to the height over triangle `k`.
+    pub fn even(&self, k: usize, form: &mut Form) {
+        let [along, across] = [k, k + 1].map(|k| 0.5 * (self.quartics[k % 4] + self.quartics[(k + 2) % 4]));
+        for (term, height) in form.iter_mut().enumerate() {
+            *height += self.bubble * BUBBLE[term] - along * ALONG[term] - across * ACROSS[term];
+        }
     }
 }
 
@@ -104,7 +124,7 @@ mod tests {
                     1.5 * (0..1000).map(|i| along((f64::from(i) + 0.5) / 1000.0)).sum::<f64>() / 1000.0
                 };
                 let sagittas = [0, 1, 2, 3].map(side);
-                let Interior { middle: found, spokes } = Interior::of_facet(&nodes, normal, &[0.0; 4], &sagittas);
+                let Interior { middle: found, spokes, .. } = Interior::of_facet(&nodes, normal, &[0.0; 4], &sagittas);
                 let of = |k: usize| {
                     let next = (k + 1) % 4;
                     (found + sagittas[k] + spokes[k] + spokes[next]) / 3.0 - mean([nodes[k], nodes[next], middle], normal)

@@ -124,7 +124,7 @@ impl MortarInSpace {
     }
 
     fn new(surfaces: &ProxySurfacesInSpace) -> Self {
-        let ProxySurfacesInSpace { secondary, primary, reference, profiles: [own, _], .. } = surfaces;
+        let ProxySurfacesInSpace { secondary, primary, reference, .. } = surfaces;
         let sides = Sides::of(secondary.clone(), primary.clone(), reference);
         let search = PairSearch::new(&sides, reference, SEARCH_MARGIN * sides.facet_size);
         let turns = slip::turns(&sides.secondary, reference);
@@ -133,7 +133,7 @@ impl MortarInSpace {
             search,
             q_0: Vec::new(),
             start: Vec::new(),
-            profiles: [own.clone(), surfaces.primary_profiles()],
+            profiles: [surfaces.secondary_profiles(), surfaces.primary_profiles()],
             heights: [0, 1].map(|side| surfaces.heights(side)),
             turns,
             workers: Workers::default(),

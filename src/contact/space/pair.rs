@@ -12,9 +12,9 @@
 //! quadrature; a value that depends on the subdivision of a polygon jumps where a vertex appears.) The value is continuous everywhere, the
 //! gradient also where vertices appear and vanish; it has kinks where edges of both facets coincide.
 //!
-//! Height profiles of facets (`profiles.rs`) close a part of the gap (`closing.rs`). The projection rotates with the secondary facet: with
-//! the moment `m` of the derivatives with respect to plane coordinates and heights, taken as forces, the rotation of `n` adds `d N.b`,
-//! `b = -m x n / |N|`.
+//! Height profiles of facets (`profiles.rs`) close a part of the gap (`closing.rs`) and follow the stretches of the facets (`stretch.rs`).
+//! The projection rotates with the secondary facet: with the moment `m` of the derivatives with respect to plane coordinates and heights,
+//! taken as forces, the rotation of `n` adds `d N.b`, `b = -m x n / |N|`.
 //!
 //! `stiffness.rs` has the Hessian.
 
@@ -24,7 +24,7 @@ use super::profiles::Profile;
 use super::stiffness::Hessian;
 use super::vectors::Vec3;
 use super::vertices::{CORNERS, Forces, NODES, OfNodes};
-use super::view::{POINTS, View, are_apart, triangles};
+use super::view::{Curves, POINTS, View, are_apart, triangles};
 use super::weights::MortarWeights;
 use crate::contact::numbers::{Each, Number};
 use crate::math::simd::{Kernel, dispatch};
@@ -62,13 +62,6 @@ impl<T: Number> Pair<T> {
             }
         }
         Some(Pair { view, polygons })
-    }
-
-    /// Adds the height profiles of both facets.
-    #[inline(always)]
-    pub fn curved(mut self, profiles: [&Profile; 2]) -> Self {
-        self.view.profiles = profiles.iter().any(|profile| !profile.is_flat()).then(|| profiles.map(|profile| *profile));
-        self
     }
 
     /// True if the projected facets overlap.
@@ -126,6 +119,17 @@ impl Pair<f64> {
         dispatch(Overlap { x, counts })
     }
 
+    /// Adds the height profiles of both facets.
+    #[inline(always)]
+    pub fn curved(mut self, profiles: [&Profile; 2]) -> Self {
+        if profiles.iter().any(|profile| !profile.is_flat()) {
+            let (arms, [own, other]) = (&self.view.arms, self.view.counts);
+            let [first, second] = [profiles[0].stretched(&arms[..own]), profiles[1].stretched(&arms[own..own + other])];
+            self.view.curves = Some(Curves { profiles: [first.0, second.0], stretches: [first.1, second.1] });
+        }
+        self
+    }
+
     /// Weighted gaps `Phi_A` of the secondary nodes `[length^3]`.
     pub fn values(&self) -> [f64; CORNERS] {
         let mut values = [0.0; CORNERS];
@@ -157,6 +161,7 @@ impl Pair<f64> {
     fn gradient<R: Number>(&self, weights: &[R; CORNERS], band: f64) -> ([Vec3<R>; NODES], [f64; CORNERS]) {
         let zero = R::from(0.0);
         let (mut of_p, mut of_h, mut values) = ([[zero; 2]; POINTS], [zero; POINTS], [0.0; CORNERS]);
+        let mut of_stretches = [zero; 2];
         for polygon in &self.polygons {
             let corners = &polygon.corners;
             let (places, heights) = (self.view.places(corners), self.view.heights(corners));
@@ -166,7 +171,10 @@ impl Pair<f64> {
             if let Some(forms) = self.view.forms(corners) {
                 let (profiles, tilt) = polygon.closing(&places, &heights, forms);
                 let moments = profiles.moments(polygon.vertices(), &weights);
-                tilted = tilt.forces(profiles.tilting(&moments));
+                let tilting = profiles.tilting(&moments);
+                tilted = tilt.forces(tilting);
+                of_stretches[0] -= profiles.secondary(&moments);
+                of_stretches[1] -= tilt.closed(tilting, 2.0);
                 closing = Some((profiles, moments));
             }
             let mut forces: Forces<R> = polygon.forces(&places, &heights, &closing, &weights, band);
@@ -197,7 +205,17 @@ impl Pair<f64> {
                 of_h[node] += h * share;
             }
         }
-        (self.view.spread(&of_p, &of_h), values)
+        let mut gradient = self.view.spread(&of_p, &of_h);
+        if let Some(Curves { stretches, .. }) = &self.view.curves {
+            for (side, (first, count)) in [(0, self.view.counts[0]), (self.view.counts[0], self.view.counts[1])].into_iter().enumerate() {
+                for k in 0..count {
+                    for i in 0..3 {
+                        gradient[first + k][i] += of_stretches[side] * stretches[side].rises[k][i];
+                    }
+                }
+            }
+        }
+        (gradient, values)
     }
 
     /// Gradients of all weighted gaps with a band of the width `band`, see [`Pair::gradient`], and the gaps.
@@ -273,7 +291,8 @@ mod tests {
         let made = |side: usize, by: f64| {
             let (corners, sagittas) = ([0.02, -0.01, 0.03, 0.0], [0.1, 0.02, 0.06, 0.04]);
             let of = |values: [f64; 4]| values.map(|value| by * value)[..counts[side]].to_vec();
-            Profile::new(&of(corners), &of(sagittas))
+            let square = [[0.0, 0.0, 0.0], [0.9, 0.1, 0.0], [1.0, 1.0, 0.0], [0.0, 0.8, 0.0]];
+            Profile::new(&of(corners), &of(sagittas)).on_facet(&square[..counts[side]])
         };
         match kind {
             0 => Default::default(),

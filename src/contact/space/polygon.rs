@@ -18,7 +18,7 @@ use std::ops::Mul;
 
 use super::clipping::{Corner, VERTICES, area, clip};
 use super::closing::{Closing, Moments, Tilt};
-use super::profiles::Form;
+use super::forms::Form;
 use super::vertices::{Forces, NODES, OfPrimary, PerTriangle, PolygonBorder, Vertex, outward, shape_gradients, sides, slope, slope_of};
 use crate::contact::numbers::Number;
 use crate::math::tolerances::FACING_AREA;
@@ -353,8 +353,9 @@ impl Polygon<OfPrimary> {
     }
 }
 
-/// Derivatives of forces with respect to heights and to the tilts of the height profiles, see [`Polygon::passed`].
-pub type OfHeights = [f64; 9];
+/// Derivatives of forces with respect to the heights of six corners, the tilts of the height profiles, and the logarithms of both facets'
+/// stretches, see [`Polygon::passed`].
+pub type OfHeights = [f64; 11];
 
 impl Polygon<f64> {
     /// Height profiles of both triangles, and the tilt of the primary one.
@@ -424,8 +425,8 @@ impl Polygon<f64> {
         forces
     }
 
-    /// Derivatives of the forces that pass gradually between edges within the band, with respect to the heights of the six corners and the
-    /// tilts of the height profiles; `None` without such forces.
+    /// Derivatives of the forces that pass gradually between edges within the band, with respect to heights, tilts and stretches; `None`
+    /// without such forces.
     #[inline(always)]
     pub fn passed(&self, closing: Option<&Closing<f64>>, weights: &[f64; 3], band: f64) -> Option<[OfHeights; 12]> {
         let passes = |k: usize| !(self.vertices[k].is_inner && closing.is_none()) && self.bearer(self.edge(k).0, band).share.is_some();
@@ -434,7 +435,7 @@ impl Polygon<f64> {
 
     /// Derivatives of [`Polygon::passed`].
     fn passed_forces(&self, closing: Option<&Closing<f64>>, weights: &[f64; 3], band: f64) -> [OfHeights; 12] {
-        let mut passed = [[0.0; 9]; 12];
+        let mut passed = [OfHeights::default(); 12];
         let weight: [f64; VERTICES] = self.weights(weights);
         for k in 0..self.count {
             let (ends, [a, b]) = self.edge(k);
@@ -443,12 +444,16 @@ impl Polygon<f64> {
             }
             let EdgeOwner { side, share: Some(share) } = self.bearer(ends, band) else { continue };
             let weight = [weight[a], weight[b]];
-            let mut edges = [[0.0; 2]; 9];
+            let mut edges = [[0.0; 2]; 11];
             for (column, (from, up)) in [(0, -share), (1, share)].into_iter().flat_map(|of| [of; 3]).enumerate() {
                 edges[column] = along_edge(weight, ends.map(|end| up * end.shape(from)[column % 3]));
             }
             if let Some(closing) = closing {
-                edges[6..].copy_from_slice(&closing.along_edge_by_tilts(ends, weight).map(|edge| edge.map(|part| -share * part)));
+                let of_stretches = closing.along_edge_by_stretches(ends, weight);
+                let of_tilts = closing.along_edge_by_tilts(ends, weight);
+                for (edge, of_edge) in edges[6..].iter_mut().zip(of_tilts.into_iter().chain(of_stretches)) {
+                    *edge = of_edge.map(|part| -share * part);
+                }
             }
             for (column, edge) in edges.into_iter().enumerate() {
                 for (side, edge) in [(side, edge.map(|part| -part)), (1 - side, edge)] {

@@ -20,9 +20,11 @@ use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 
 use nalgebra::{DMatrix, DVector};
 
+use super::forms::{Form, derivatives, form, value};
 use super::interior::Interior;
+use super::stretch::{Stretch, Stretched};
+use super::vectors::Vec3;
 use crate::contact::faces::{self, Vector};
-use crate::contact::numbers::Number;
 use crate::contact::surface::Surface;
 use crate::math::tolerances::STRAIGHT;
 
@@ -41,10 +43,6 @@ const OPEN: f64 = 0.05;
 /// the face continues its neighbors.
 const AGREEING: f64 = 0.2;
 
-/// Quadratic height over a triangle with the shape functions `L_i`, `sum b_ij L_i L_j`: `b_00, b_11, b_22, b_01, b_12, b_20` `[length]`,
-/// outwards.
-pub type Form = [f64; 6];
-
 /// Upper bound of the height of points over the mean height of their facets: faces of six nodes raise their mid-side points alone, by 4/3
 /// of it.
 const MOST_RAISED: f64 = 1.5;
@@ -52,34 +50,15 @@ const MOST_RAISED: f64 = 1.5;
 /// Iterations for the point of a tilted triangle below a point of the curve; one iteration is exact to second order in the tilt.
 const TILTS: usize = 3;
 
-/// Form with the given heights over three corners and sagittas along the sides that start there.
-fn form([a, b, c]: [f64; 3], [ab, bc, ca]: [f64; 3]) -> Form {
-    [a, b, c, 2.0 * ab + 0.5 * (a + b), 2.0 * bc + 0.5 * (b + c), 2.0 * ca + 0.5 * (c + a)]
-}
-
-/// Form of the triangle with its first two corners exchanged.
-pub fn turned(&[a, b, c, ab, bc, ca]: &Form) -> Form {
-    [b, a, c, ab, ca, bc]
-}
-
-/// Derivatives of a form with respect to the shape functions.
-#[inline(always)]
-pub fn derivatives<T: Number>(form: &Form, l: &[T; 3]) -> [T; 3] {
-    let [a, b, c, ab, bc, ca] = form.map(|coefficient| 2.0 * coefficient);
-    [l[0] * a + l[1] * ab + l[2] * ca, l[0] * ab + l[1] * b + l[2] * bc, l[0] * ca + l[1] * bc + l[2] * c]
-}
-
-/// Value of a form from its derivatives.
-#[inline(always)]
-pub fn value<T: Number>(derivatives: &[T; 3], l: &[T; 3]) -> T {
-    (derivatives[0] * l[0] + derivatives[1] * l[1] + derivatives[2] * l[2]) * 0.5
-}
-
 /// Height profile of a facet of three nodes, or of the four triangles about the mean point of a facet of four nodes `[length]`, outwards.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Profile {
     forms: [Form; 4],
     is_curved: bool,
+    /// Heights of the curve over the corners `[length]`.
+    corners: [f64; 4],
+    /// Factor of the height in deformed configurations.
+    pub stretch: Stretch,
 }
 
 impl Profile {
@@ -100,18 +79,22 @@ impl Profile {
 
     /// Profile of a facet of three nodes with this height.
     pub fn of_form(form: Form) -> Self {
-        let mut profile = Profile { forms: [[0.0; 6]; 4], is_curved: true };
+        let mut profile = Profile { forms: [[0.0; 6]; 4], is_curved: true, ..Profile::default() };
         profile.forms[0] = form;
+        profile.corners[..3].copy_from_slice(&form[..3]);
         profile
     }
 
     /// Profile of a facet of four nodes from the heights over its four triangles.
-    pub fn of_four(corners: &[f64; 4], sagittas: &[f64; 4], Interior { middle, spokes }: &Interior) -> Self {
+    pub fn of_four(corners: &[f64; 4], sagittas: &[f64; 4], interior: &Interior) -> Self {
+        let Interior { middle, spokes, .. } = interior;
         let of = |k: usize| {
             let next = (k + 1) % 4;
-            form([corners[k], corners[next], *middle], [sagittas[k], spokes[next], spokes[k]])
+            let mut form = form([corners[k], corners[next], *middle], [sagittas[k], spokes[next], spokes[k]]);
+            interior.even(k, &mut form);
+            form
         };
-        Profile { forms: [0, 1, 2, 3].map(of), is_curved: true }
+        Profile { forms: [0, 1, 2, 3].map(of), is_curved: true, corners: *corners, ..Profile::default() }
     }
 
     /// Heights along the normal of each triangle of a facet with these nodes, from heights along the unit normal of the facet. Triangles of
@@ -151,9 +134,34 @@ impl Profile {
         !self.is_curved
     }
 
-    /// Height of the curve over corner `k` of a facet with `count` corners `[length]`.
-    pub fn corner(&self, k: usize, count: usize) -> f64 {
-        if count == 3 { self.forms[0][k] } else { self.forms[k][0] }
+    /// Height of the curve over corner `k` `[length]`.
+    pub fn corner(&self, k: usize) -> f64 {
+        self.corners[k]
+    }
+
+    /// Profile of a facet of four nodes with these heights over its four triangles, of a curve with the given heights over the corners.
+    pub fn of_forms(forms: [Form; 4], corners: [f64; 4]) -> Self {
+        Profile { forms, is_curved: true, corners, ..Profile::default() }
+    }
+
+    /// Profile that is multiplied by the stretch of its facet, whose nodes have these reference positions.
+    pub fn on_facet(mut self, nodes: &[Vec3<f64>]) -> Self {
+        if self.is_curved {
+            self.stretch = Stretch::new(&self.forms, nodes);
+        }
+        self
+    }
+
+    /// Profile in a deformed configuration, with the stretch of its facet there.
+    #[inline(always)]
+    pub fn stretched(mut self, nodes: &[Vec3<f64>]) -> (Self, Stretched<f64>) {
+        let stretched = self.stretch.at(nodes);
+        for form in &mut self.forms {
+            for height in form {
+                *height *= stretched.by;
+            }
+        }
+        (self, stretched)
     }
 
     /// Height as a function on triangle number `triangle` of the facet.
@@ -244,6 +252,15 @@ pub fn across_triangles(surface: &Surface, q: &[f64], profiles: &mut [Profile]) 
         let nodes: Vec<Vector> = surface.facet(facet).iter().map(|&node| faces::at(node, q)).collect();
         *profile = profile.across_triangles(&nodes, faces::normal(surface.facet(facet), q));
     }
+}
+
+/// Height profiles that follow the stretches of their facets, whose reference positions are `q`.
+pub fn stretching(surface: &Surface, q: &[f64], profiles: Vec<Profile>) -> Vec<Profile> {
+    let on_facet = |(facet, profile): (usize, Profile)| {
+        let nodes: Vec<Vec3<f64>> = surface.facet(facet).iter().map(|&node| faces::at(node, q).into()).collect();
+        profile.on_facet(&nodes)
+    };
+    profiles.into_iter().enumerate().map(on_facet).collect()
 }
 
 impl<'a> Facets<'a> {
@@ -402,7 +419,7 @@ impl<'a> Facets<'a> {
     /// Height profile over a facet between the points `seen`, which represent its nodes.
     fn profile(&self, facet: usize, seen: &[f64]) -> Profile {
         let nodes = self.surface.facet(facet);
-        let sagittas = self.sagittas(facet);
+        let (sagittas, quartics) = self.sides_of(facet);
         if sagittas == [0.0; 4] {
             return Profile::default();
         }
@@ -422,13 +439,18 @@ impl<'a> Facets<'a> {
             return Profile::of_three([0, 1, 2].map(height), [0, 1, 2].map(stretched));
         };
         let [corners, sagittas] = [[0, 1, 2, 3].map(height), [0, 1, 2, 3].map(stretched)];
-        Profile::of_four(&corners, &sagittas, &Interior::of_facet(&points, normal, &corners, &sagittas))
+        let interior = Interior { quartics, ..Interior::of_facet(&points, normal, &corners, &sagittas) };
+        Profile::of_four(&corners, &sagittas, &interior)
     }
 
     /// Sagittas along the sides of a facet; zero if the mean height is negligible.
     fn sagittas(&self, facet: usize) -> [f64; 4] {
+        self.sides_of(facet).0
+    }
+
+    fn sides_of(&self, facet: usize) -> ([f64; 4], [f64; 4]) {
         let nodes = self.surface.facet(facet);
-        let mut sagittas = [0.0; 4];
+        let (mut sagittas, mut quartics) = ([0.0; 4], [0.0; 4]);
         for (k, sagitta) in sagittas[..nodes.len()].iter_mut().enumerate() {
             let next = (k + 1) % nodes.len();
             let edge = faces::at(nodes[next], self.q) - faces::at(nodes[k], self.q);
@@ -439,9 +461,10 @@ impl<'a> Facets<'a> {
             };
             let length = edge.norm_squared() / (edge - self.normals[facet] * self.normals[facet].dot(&edge)).norm();
             *sagitta = 0.25 * length * angle * (1.0 + angle * angle * (2.0 / 15.0 + 2.0 / 105.0 * angle * angle));
+            quartics[k] = 0.0625 * length * angle * angle * angle;
         }
         let least = STRAIGHT * self.surface.facet_size(facet, self.q);
-        if sagittas.iter().any(|sagitta| sagitta.abs() > least) { sagittas } else { [0.0; 4] }
+        if sagittas.iter().any(|sagitta| sagitta.abs() > least) { (sagittas, quartics) } else { ([0.0; 4], [0.0; 4]) }
     }
 }
 

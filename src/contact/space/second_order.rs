@@ -28,7 +28,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::curved_face::{center, corner_normals};
 use super::exact_profile::exact_profile;
-use super::profiles::{Profile, across_triangles, profiles};
+use super::profiles::{Profile, across_triangles, profiles, stretching};
 use super::quadric::Quadric;
 use crate::contact::combinations::Combinations;
 use crate::contact::faces::{self, Vector};
@@ -126,6 +126,11 @@ impl<'a> ProxySurfacesInSpace<'a> {
         if self.on_faces.is_some() { UNEVEN } else { 0.0 }
     }
 
+    /// True if facets lie between points on faces of second order.
+    pub(super) fn is_on_faces(&self) -> bool {
+        self.on_faces.is_some()
+    }
+
     /// Removes the height profiles for the facet shape `Straight`.
     pub fn of_shape(mut self, shape: FacetShape) -> Self {
         if shape == FacetShape::Straight {
@@ -146,11 +151,16 @@ impl<'a> ProxySurfacesInSpace<'a> {
         self
     }
 
-    /// Height profiles of the primary facets, along the normals of their triangles.
+    /// Height profiles of the secondary facets, which follow the stretches of the facets.
+    pub(super) fn secondary_profiles(&self) -> Vec<Profile> {
+        stretching(&self.secondary, &self.reference, self.profiles[0].clone())
+    }
+
+    /// Height profiles of the primary facets, along the normals of their triangles, which follow the stretches of the facets.
     pub(super) fn primary_profiles(&self) -> Vec<Profile> {
         let mut profiles = self.profiles[1].clone();
         across_triangles(&self.primary, &self.reference, &mut profiles);
-        profiles
+        stretching(&self.primary, &self.reference, profiles)
     }
 
     /// True for each secondary node or point that belongs to one of the given model nodes (ascending).
@@ -167,7 +177,7 @@ impl<'a> ProxySurfacesInSpace<'a> {
             let heights = curved.map(|facet| {
                 let nodes = surface.local_facet(facet);
                 let place = nodes.iter().position(|&other| other as usize == node).unwrap_or(0);
-                profiles[facet].corner(place, nodes.len())
+                profiles[facet].corner(place)
             });
             let (count, sum) = heights.fold((0, 0.0), |(count, sum), height| (count + 1, sum + height));
             sum / f64::from(count.max(1))
@@ -445,7 +455,7 @@ impl Proxies {
 mod tests {
     use super::*;
     use crate::contact::space::closing::POINTS;
-    use crate::contact::space::profiles::{derivatives, value};
+    use crate::contact::space::forms::{derivatives, value};
     use crate::elements::CellKind;
     use crate::mesh::{Round, hollow_sphere, tube};
 

@@ -12,13 +12,20 @@
 //! ```
 //!
 //! Derivatives of the tilt with respect to the primary triangle add the rest, and the chain rule transforms the sum to the node positions.
+//!
+//! Stretches `s_a` of the facets (`stretch.rs`) multiply the profiles. With `t_a = ln s_a`, the forces `f` for constant stretches and
+//! `S_a = dPhi/dt_a` the Hessian has the further terms
+//!
+//! ```text
+//! df/dt_a x dt_a + dt_a x dS_a/dx + S_a d2t_a + d2Phi/dt_a^2 dt_a x dt_a,      d2t_a = (b_ij/s_a^2) 1 - 2 dt_a x dt_a
+//! ```
 
-use super::closing::Tilt;
+use super::closing::{Closing, Moments, Tilt};
+use super::forms::Form;
 use super::polygon::{OfHeights, Polygon, shares};
-use super::profiles::Form;
-use super::vectors::{Jet, LANES, columns_into, jets};
+use super::vectors::{Jet, LANES, Vec3, columns_into, jets};
 use super::vertices::{CORNERS, Forces, NODES, OfPrimary, PerTriangle, shape_gradients, sides};
-use super::view::{POINTS, View};
+use super::view::{Curves, POINTS, View};
 use crate::contact::numbers::{self, Each};
 use crate::math::simd::Kernel;
 
@@ -44,20 +51,31 @@ const PLACES: usize = 12;
 /// Number with its derivatives with respect to plane coordinates and heights of a primary triangle.
 type OfTilt = numbers::Jet<9>;
 
-/// Derivatives of forces with respect to plane coordinates and heights, and the forces.
+/// Derivatives of forces with respect to plane coordinates and heights, and the forces, for constant stretches of both facets.
 struct Stiffness {
     rows: [[f64; SEEN]; SEEN],
     forces: [f64; SEEN],
+    /// Derivatives with respect to the logarithms of the stretches.
+    stretches: Sums<2>,
+    /// Second derivatives of `Phi` with respect to each of these.
+    second: [f64; 2],
 }
 
-/// Derivatives of `Phi` with respect to the tilt of a primary triangle, summed over its polygons.
-struct OfTilts {
-    sums: [f64; 3],
-    /// Derivatives of the sums with respect to plane coordinates.
-    rows: [[f64; SEEN]; 3],
-    /// Derivatives of the forces that pass between edges with respect to the tilt.
-    passed: [[f64; SEEN]; 3],
+/// Derivatives of `Phi` with respect to `N` parameters of the height profiles, summed over polygons.
+struct Sums<const N: usize> {
+    sums: [f64; N],
+    /// Derivatives of the sums with respect to plane coordinates and heights.
+    rows: [[f64; SEEN]; N],
+    /// Derivatives of the forces that pass between edges with respect to the parameters.
+    passed: [[f64; SEEN]; N],
 }
+
+/// Places of the parameters among the columns of [`OfHeights`]: tilt of the primary triangle, stretches.
+const TILTS: usize = 6;
+const STRETCHES: usize = 9;
+
+/// Profiles of a polygon with derivatives, and its moments.
+type MovedClosing = Option<(Closing<OfPrimary>, Moments<OfPrimary, OfPrimary>)>;
 
 /// Polygon whose forces are differentiated.
 struct Moved {
@@ -96,7 +114,7 @@ impl Moved {
 impl Stiffness {
     /// Adds the contribution of a polygon, for a constant tilt of the height profiles `forms`; derivatives by the tilt to `tilts`.
     #[inline(always)]
-    fn add(&mut self, hessian: &Hessian, polygon: &Polygon<f64>, jets: &mut Polygon<OfPrimary>, tilts: Option<(&mut OfTilts, [Form; 2])>) {
+    fn add(&mut self, hessian: &Hessian, polygon: &Polygon<f64>, jets: &mut Polygon<OfPrimary>, tilts: Option<(&mut Sums<3>, [Form; 2])>) {
         let Hessian { view, band, .. } = hessian;
         let (corners, weights) = (&polygon.corners, view.weights(polygon.corners[0], hessian.weights));
         let (places, heights) = (view.places(corners), view.heights(corners));
@@ -113,7 +131,7 @@ impl Stiffness {
         jets.follow(polygon, &sides(&places[0]), &gradients, tilts.is_some());
         let mut forces = polygon.moved_forces(&gradients, &heights, &weights);
         // No closures, which would be compiled without the wide registers.
-        let (mut plain, mut closing) = (None, None);
+        let (mut plain, mut closing): (_, MovedClosing) = (None, None);
         if let Some((_, forms)) = &tilts {
             let mut moving = [[[OfPrimary::from(0.0); 2]; 3]; 2];
             for k in 0..3 {
@@ -124,11 +142,11 @@ impl Stiffness {
                     }
                 }
             }
-            let (profiles, _) = polygon.closing(&places, &heights, *forms);
+            let (profiles, tilt) = polygon.closing(&places, &heights, *forms);
             let moved = profiles.with_gradients(moving);
             let moments = profiles.moments_with_derivatives(polygon.vertices(), &weights);
             moved.forces_into(&moments, &weights, &mut forces);
-            plain = Some(profiles);
+            plain = Some((profiles, tilt));
             closing = Some((moved, moments));
         }
         jets.edges_into(&heights, &closing, &weights, *band, &mut forces);
@@ -150,7 +168,7 @@ impl Stiffness {
                 self.rows[columns[lane]][3 * point + 2] += derivatives[lane];
             }
         }
-        let passed = polygon.passed(plain.as_ref(), &weights, *band);
+        let passed = polygon.passed(plain.as_ref().map(|(profiles, _)| profiles), &weights, *band);
         if let Some(passed) = &passed {
             for (&row, derivatives) in columns.iter().zip(passed) {
                 for (&point, derivative) in corners.as_flattened().iter().zip(derivatives) {
@@ -158,16 +176,18 @@ impl Stiffness {
                 }
             }
         }
-        if let (Some((tilts, _)), Some((closing, moments))) = (tilts, &closing) {
-            for (k, sum) in closing.tilting(moments).iter().enumerate() {
-                tilts.add(k, sum, &moved, passed.as_ref());
-            }
+        if let (Some((tilts, _)), Some((_, tilt)), Some((closing, moments))) = (tilts, &plain, &closing) {
+            let tilting = closing.tilting(moments);
+            tilts.add(&tilting, TILTS, &moved, passed.as_ref());
+            let by_stretches = [-closing.secondary(moments), -tilt.closed(tilting, 2.0)];
+            self.stretches.add(&by_stretches, STRETCHES, &moved, passed.as_ref());
+            self.second[0] += by_stretches[0].re;
         }
     }
 
     /// Adds what follows from the tilt of a primary triangle with the given corners.
     #[inline(always)]
-    fn add_tilts(&mut self, view: &View<f64>, triangle: [usize; 3], tilts: &OfTilts) {
+    fn add_tilts(&mut self, view: &View<f64>, triangle: [usize; 3], tilts: &Sums<3>) {
         let places = triangle.map(|point| view.p[point]);
         let sides = sides(&places);
         let area = sides[0][0] * sides[1][1] - sides[0][1] * sides[1][0];
@@ -182,11 +202,15 @@ impl Stiffness {
         let moved_area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
         let forces = Tilt::new(shape_gradients(&unknowns, moved_area), &heights).forces(tilts.sums.map(OfTilt::from));
         let plain = Tilt::new(shape_gradients(&places, area), &triangle.map(|point| view.h[point]));
+        let [height, first, second] = tilts.sums;
+        self.second[1] -= plain.closed(tilts.sums, 4.0);
+        let of_stretch = plain.forces([height, 2.0 * first, 2.0 * second]);
         // Derivatives of the tilt with respect to plane coordinates and heights.
         let of_tilt = plain.forces([0, 1, 2].map(|k| Each([0, 1, 2].map(|other| if other == k { 1.0 } else { 0.0 }))));
         for k in 0..3 {
             for i in 0..3 {
                 let row = 3 * triangle[k] + i;
+                self.stretches.rows[1][row] += of_stretch[k][i];
                 let (force, Each(by)) = (forces[k][i], of_tilt[k][i]);
                 self.forces[row] += force.re;
                 for lane in 0..9 {
@@ -260,6 +284,40 @@ impl Stiffness {
         }
     }
 
+    /// Adds what follows from the stretches of both facets.
+    #[inline(always)]
+    fn stretched_into(&self, view: &View<f64>, curves: &Curves, share: f64, out: &mut [f64]) {
+        let [own, other] = view.counts;
+        let unknowns = 3 * (own + other);
+        for (side, (first, count)) in [(0, own), (own, other)].into_iter().enumerate() {
+            let stretched = &curves.stretches[side];
+            let (sum, rises) = (self.stretches.sums[side], stretched.rises.as_flattened());
+            // Derivatives of `S`, and of the forces with respect to the stretch.
+            let of_sum = nodal(view, &self.stretches.rows[side]);
+            let passed = nodal(view, &self.stretches.passed[side]);
+            let (of_sum, passed) = (of_sum.as_flattened(), passed.as_flattened());
+            let squares = self.second[side] - 2.0 * sum;
+            for k in 0..3 * count {
+                for column in 0..unknowns {
+                    out[unknowns * (3 * first + k) + column] += share * rises[k] * of_sum[column];
+                    out[unknowns * column + 3 * first + k] += share * rises[k] * (of_sum[column] + passed[column]);
+                }
+                for column in 0..3 * count {
+                    out[unknowns * (3 * first + k) + 3 * first + column] += share * squares * rises[k] * rises[column];
+                }
+            }
+            let inverse = (stretched.by * stretched.by).recip();
+            let coefficients = curves.profiles[side].stretch.coefficients(count);
+            for a in 0..count {
+                for b in 0..count {
+                    for i in 0..3 {
+                        out[unknowns * (3 * (first + a) + i) + 3 * (first + b) + i] += share * sum * coefficients[a][b] * inverse;
+                    }
+                }
+            }
+        }
+    }
+
     /// Distributes the rows and columns of the mean points to the nodes.
     #[inline(always)]
     fn fold(&mut self, view: &View<f64>) {
@@ -281,17 +339,40 @@ impl Stiffness {
     }
 }
 
-impl OfTilts {
-    /// Adds the derivative of `Phi` of a polygon with respect to component `k` of the tilt.
-    #[inline(always)]
-    fn add(&mut self, k: usize, sum: &OfPrimary, moved: &Moved, passed: Option<&[OfHeights; PLACES]>) {
-        self.sums[k] += sum.re;
-        let derivatives = moved.derivatives(sum, None);
-        for lane in 0..PLACES {
-            self.rows[k][moved.columns[lane]] += derivatives[lane];
+/// Derivatives with respect to the node positions, from those with respect to plane coordinates and heights of all points.
+#[inline(always)]
+fn nodal(view: &View<f64>, seen: &[f64; SEEN]) -> [Vec3<f64>; NODES] {
+    let (mut of_p, mut of_h) = ([[0.0; 2]; NODES], [0.0; NODES]);
+    for k in 0..NODES {
+        (of_p[k], of_h[k]) = ([seen[3 * k], seen[3 * k + 1]], seen[3 * k + 2]);
+    }
+    for point in [NODES, NODES + 1] {
+        let (nodes, share) = view.shares(point);
+        for node in nodes {
+            for i in 0..2 {
+                of_p[node][i] += share * seen[3 * point + i];
+            }
+            of_h[node] += share * seen[3 * point + 2];
         }
-        for (&row, derivatives) in moved.columns.iter().zip(passed.into_iter().flatten()) {
-            self.passed[k][row] += derivatives[6 + k];
+    }
+    view.spread(&of_p, &of_h)
+}
+
+impl<const N: usize> Sums<N> {
+    const NONE: Self = Sums { sums: [0.0; N], rows: [[0.0; SEEN]; N], passed: [[0.0; SEEN]; N] };
+
+    /// Adds the derivatives of `Phi` of a polygon with respect to the parameters, which are at `place` of [`OfHeights`].
+    #[inline(always)]
+    fn add(&mut self, sums: &[OfPrimary; N], place: usize, moved: &Moved, passed: Option<&[OfHeights; PLACES]>) {
+        for (k, sum) in sums.iter().enumerate() {
+            self.sums[k] += sum.re;
+            let derivatives = moved.derivatives(sum, None);
+            for lane in 0..PLACES {
+                self.rows[k][moved.columns[lane]] += derivatives[lane];
+            }
+            for (&row, derivatives) in moved.columns.iter().zip(passed.into_iter().flatten()) {
+                self.passed[k][row] += derivatives[place + k];
+            }
         }
     }
 }
@@ -302,12 +383,12 @@ impl Kernel for Hessian<'_> {
     #[inline(always)]
     fn run<const FMA: bool>(self) {
         let view = self.view;
-        let mut stiffness = Stiffness { rows: [[0.0; SEEN]; SEEN], forces: [0.0; SEEN] };
+        let mut stiffness = Stiffness { rows: [[0.0; SEEN]; SEEN], forces: [0.0; SEEN], stretches: Sums::NONE, second: [0.0; 2] };
         let mut moving = Polygon::empty();
-        if view.profiles.is_some() {
+        if view.curves.is_some() {
             // Primary triangles are identified by their second corner.
             for start in view.counts[0]..view.counts[0] + view.counts[1] {
-                let mut tilts = OfTilts { sums: [0.0; 3], rows: [[0.0; SEEN]; 3], passed: [[0.0; SEEN]; 3] };
+                let mut tilts = Sums::NONE;
                 let mut triangle = None;
                 for polygon in self.polygons.iter().filter(|polygon| polygon.corners[1][1] == start) {
                     let Some(forms) = view.forms(&polygon.corners) else { continue };
@@ -325,5 +406,8 @@ impl Kernel for Hessian<'_> {
         let count = view.counts[0] + view.counts[1];
         stiffness.turned_into(view, count, self.share, self.out);
         stiffness.shifted_into(view, count, self.share, self.out);
+        if let Some(curves) = &view.curves {
+            stiffness.stretched_into(view, curves, self.share, self.out);
+        }
     }
 }

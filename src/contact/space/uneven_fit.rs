@@ -1,21 +1,22 @@
 //! Press fits in space whose weighted gaps differ from node to node (findings of `checks.rs`).
 //!
 //! The overlap `D_A = -Phi_A/w_A` of a secondary node is the mean distance of both surfaces over the facets of the node, as contact sees
-//! them. It differs from node to node for two reasons. Quadratic heights deviate from the curve. And heights do not follow the strain `e`
-//! of the fit, by which a convex primary side shrinks and a hollow one widens: with the part `P_A` of `D_A` from the heights of the primary
-//! facets, positive on a convex side, the overlap is uneven by `e |P_A|`, whatever the interference.
+//! them. It differs from node to node because quadratic heights deviate from the curve.
 //!
 //! Pressures between nonmatching meshes follow its short waves: with its deviation `r_A` from the plane through the neighboring nodes'
 //! overlaps, facets of the length `l` and curvatures with the sum `k`, the relative error of nodal pressures (root mean square) is
 //!
 //! ```text
-//! RESPONSE rms(r)/(mean(D) k l)
+//! RESPONSE mean(r^4)^(1/4)/(mean(D) k l)
 //! ```
+//!
+//! Pressures of single nodes that deviate from all of their neighbors are the most sensitive ones: on spheres of six blocks where three
+//! facets meet. The root mean square of `r` misses them (error of 5 % in spheres of `hex20`, 24 on 16 cells, estimated as 1 %).
 
 use nalgebra::{DMatrix, DVector};
 
 use super::mortar::MortarInSpace;
-use super::profiles::{Profile, Profiles};
+use super::profiles::Profiles;
 use super::second_order::ProxySurfacesInSpace;
 use crate::contact::faces::{self, Vector};
 use crate::contact::kernel::ContactKernel;
@@ -25,23 +26,17 @@ use crate::contact::window::{MotionBound, PredictedMotion};
 use crate::math::tolerances::STRAIGHT;
 
 /// Expected relative error of nodal pressures from which a fit is reported. Measured in quarter tubes of `hex8`: estimates of at most 0.021
-/// where pressures are accurate to 2 % and interferences at least 1e-3 of the radius (9 on 6 cells).
+/// where pressures are accurate to 1 % (12 on 8 cells, interference 1e-4 of the radius).
 const REPORTED: f64 = 0.022;
 
-/// Hoop strain of a hollow and of a convex body, relative to the interference times the curvature: a hollow body is the softer one.
-const STRAINS: [f64; 2] = [2.0 / 3.0, 1.0 / 3.0];
-
 /// Relative error of nodal pressures per relative deviation of the overlap of neighboring nodes, times `k l`. Measured in fits of quarter
-/// tubes of `hex8`: 3.1 to 6.5 with facets in the ratio 1.5 (8 on 12 and 12 on 8 cells), 9 in the ratio 1.4 (7 on 5), for interferences of
-/// 1e-4 to 1e-3 of the radius.
-const RESPONSE: f64 = 6.0;
+/// tubes of `hex8` where pressures are off by 2 to 50 %: 13 with 7 on 5 cells, 11 with 9, 12 and 10 on 5 and 4, 8 with 17 on 5, 5 and 9
+/// with 9 on 6 and 6 on 9; interferences of 1e-4 to 1e-3 of the radius.
+const RESPONSE: f64 = 12.0;
 
-/// [`RESPONSE`] if several secondary facets are opposite each primary one. Measured: 13 to 40 in tubes of `hex8` and `hex20` with 9, 10, 12
-/// and 17 on 4 and 5 cells in a quarter.
-const RESPONSE_OF_COARSE: f64 = 27.0;
-
-/// Ratio of the mean heights of primary and secondary facets above which the primary ones are coarse: facets of 1.64 times the length.
-const COARSE: f64 = 2.7;
+/// [`RESPONSE`] for faces of eight and nine nodes. Measured: 26 to 32 in tubes of `hex20` with 9, 10, 12 and 17 on 4 and 5 cells in a
+/// quarter, 30 in spheres with 24 on 16 cells around.
+const RESPONSE_OF_SECOND_ORDER: f64 = 30.0;
 
 /// [`RESPONSE`] for faces of three or six nodes. Measured: 48 in fits of tubes of `tet4` with 28 on 20 cells around and an interference of
 /// 1e-3 of the radius, 33 and 55 in fits of spheres of `tet10` with 24 on 16 cells around and interferences of 1e-5 and 1e-4.
@@ -61,7 +56,7 @@ const DEEP: f64 = 0.5;
 pub struct UnevenFit {
     /// Mean overlap of the surfaces `[length]`.
     pub interference: f64,
-    /// Deviation of the overlap of secondary nodes from that of their neighbors, root mean square `[length]`.
+    /// Deviation of the overlap of secondary nodes from that of their neighbors, fourth root of the mean fourth power `[length]`.
     pub deviation: f64,
     /// Expected relative error of nodal pressures, root mean square.
     pub pressure_error: f64,
@@ -75,8 +70,8 @@ impl UnevenFit {
 }
 
 /// Evenness of the overlap of two surfaces between model nodes at `q`; `None` unless both are curved and overlap on average.
-pub fn uneven_fit(mut surfaces: ProxySurfacesInSpace, q: &[f64]) -> Option<UnevenFit> {
-    let kernel = surfaces.on_nodes(MortarInSpace::kernel(&surfaces), true);
+pub fn uneven_fit(surfaces: &ProxySurfacesInSpace, q: &[f64]) -> Option<UnevenFit> {
+    let kernel = surfaces.on_nodes(MortarInSpace::kernel(surfaces), true);
     let size = kernel.facet_size();
     let curvature = curvature(kernel.secondary(), q);
     // Flat surfaces overlap evenly: no pairs of facets are searched for them.
@@ -84,25 +79,19 @@ pub fn uneven_fit(mut surfaces: ProxySurfacesInSpace, q: &[f64]) -> Option<Uneve
         return None;
     }
     let surface = kernel.secondary().clone();
-    let is_coarse = height(kernel.primary(), q) > COARSE * height(&surface, q);
-    let of_curves = overlaps(kernel, q);
-    let interference = mean(&of_curves)?;
-    if of_curves.iter().flatten().count() < FEW || interference <= STRAIGHT * STRAIGHT * size {
+    let overlaps = overlaps(kernel, q);
+    let interference = mean(&overlaps)?;
+    if overlaps.iter().flatten().count() < FEW || interference <= STRAIGHT * STRAIGHT * size {
         return None;
     }
-    surfaces.profiles[1].fill(Profile::default());
-    let of_facets = overlaps(surfaces.on_nodes(MortarInSpace::kernel(&surfaces), true), q);
-    let heights: Vec<Option<f64>> = of_curves.iter().zip(of_facets).map(|(with, without)| Some((*with)? - without?)).collect();
-    let strain = interference * curvature * if mean(&heights)? > 0.0 { STRAINS[1] } else { -STRAINS[0] };
-    let overlaps: Vec<Option<f64>> = of_curves.iter().zip(heights).map(|(overlap, height)| Some((*overlap)? + strain * height?)).collect();
     let deviations: Vec<f64> =
         (0..overlaps.len()).filter_map(|node| Some(overlaps[node]? - around(&surface, node, &overlaps, q)?)).collect();
-    let deviation = (deviations.iter().map(|r| r * r).sum::<f64>() / deviations.len().max(1) as f64).sqrt();
+    let deviation = (deviations.iter().map(|r| r.powi(4)).sum::<f64>() / deviations.len().max(1) as f64).powf(0.25);
     let is_of_triangles = (0..surface.count()).all(|facet| surface.facet(facet).len() == 3);
     let response = if is_of_triangles {
         RESPONSE_OF_TRIANGLES
-    } else if is_coarse {
-        RESPONSE_OF_COARSE
+    } else if surfaces.is_on_faces() {
+        RESPONSE_OF_SECOND_ORDER
     } else {
         RESPONSE
     };
@@ -159,12 +148,6 @@ fn curvature(surface: &Surface, q: &[f64]) -> f64 {
     (0..surface.count()).map(of).sum::<f64>() / surface.count() as f64
 }
 
-/// Mean height of a curve over the facets of a surface `[length]`.
-fn height(surface: &Surface, q: &[f64]) -> f64 {
-    let profiles = Profiles::of_curve(surface, q, super::press_fit::CURVE);
-    (0..surface.count()).map(|facet| profiles.height(facet).abs()).sum::<f64>() / surface.count() as f64
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -190,11 +173,11 @@ mod tests {
             let boundary = meshes[k].boundary(["outer", "inner"][sides[k]]).expect("it has one");
             boundary.facets.iter().map(|&facet| meshes[k].facet_nodes(facet).map(|node| node + first[k]).collect()).collect()
         });
-        uneven_fit(ProxySurfacesInSpace::new(faces.each_ref().map(|faces| &faces[..]), &q), &q).expect("they overlap")
+        uneven_fit(&ProxySurfacesInSpace::new(faces.each_ref().map(|faces| &faces[..]), &q), &q).expect("they overlap")
     }
 
-    /// Closed form: the mean over the facets of a secondary node of the deviation of an arc from the parabola with its ends and mean height
-    /// (integrated numerically) gives 0.035 for the tubes; matching meshes overlap evenly.
+    /// Measured errors of nodal pressures in quarter tubes, 7 on 5 cells: 3.0 % with the finer side as secondary and an interference of
+    /// 1e-3 of the radius, 3.4 % with the coarser one and 1e-4. Matching meshes overlap evenly.
     #[test]
     fn overlaps_of_unlike_meshes_are_uneven() {
         let of = |around, is_hub, fit| found(CellKind::Hex8, false, around, is_hub, fit);
@@ -203,36 +186,39 @@ mod tests {
         assert!(fine.pressure_error > 0.022 && fine.pressure_error < 0.047 && fine.is_distorted(), "{fine:?}");
         let small = of([28, 20], false, 1e-4);
         assert!((small.pressure_error / fine.pressure_error / 10.0 - 1.0).abs() < 0.25, "{small:?} {fine:?}");
-        assert!(!of([20, 28], true, 1e-4).is_distorted() && !of([48, 40], false, 1e-4).is_distorted());
+        assert!(of([20, 28], true, 1e-4).is_distorted());
+        assert!(!of([20, 28], true, 1e-3).is_distorted() && !of([48, 40], false, 1e-4).is_distorted());
         assert!(of([28, 28], false, 1e-4).pressure_error < 1e-3);
     }
 
-    /// Measured errors in quarter tubes (root mean square): at most 1 % with 12 on 8 cells, 5 to 10 % with 16 on 11 and 13 on 9 and an
-    /// interference of 1e-4; 10 to 30 % with 9 and 17 on 5 and 10 on 4, also for 1e-2, where heights do not follow the strain.
+    /// Measured errors in quarter tubes (root mean square): of `hex8` 3 to 20 % for an interference of 1e-3 with 7, 9, 10, 12 and 17 on 4
+    /// or 5 cells, 2 and 2.8 % for 1e-4 with 13 on 9 and 9 on 6; of `hex20` 3.4 % for 1e-3 with 17 on 5 cells, 3.5 to 35 % for 1e-4 with
+    /// 9, 10, 12 and 17 on 4 or 5 cells. The other fits have at most 1.6 %.
     #[test]
     fn unlike_meshes_are_reported_where_pressures_are_wrong() {
         let is_reported =
             |kind, cells: [usize; 2], fit: f64| found(kind, false, cells.map(|n| 4 * n), cells[0] < cells[1], fit).is_distorted();
-        for kind in [CellKind::Hex8, CellKind::Hex20, CellKind::Hex27] {
-            for cells in [[10, 4], [17, 5]] {
-                assert!([1e-2, 1e-3].into_iter().all(|fit| is_reported(kind, cells, fit)), "{kind:?} {cells:?}");
-            }
-            assert!(is_reported(kind, [9, 5], 1e-2), "{kind:?}");
-            for cells in [[12, 10], [16, 11], [13, 9], [12, 8]] {
-                assert!([1e-2, 1e-3].into_iter().all(|fit| !is_reported(kind, cells, fit)), "{kind:?} {cells:?}");
-            }
+        let of_first = |cells, fit| is_reported(CellKind::Hex8, cells, fit);
+        assert!([[7, 5], [9, 5], [10, 4], [12, 5], [17, 5]].into_iter().all(|cells| of_first(cells, 1e-3)));
+        assert!([[7, 5], [9, 5], [12, 5]].into_iter().all(|cells| !of_first(cells, 1e-2)));
+        assert!([[9, 6], [12, 8], [12, 10], [13, 9], [16, 11]].into_iter().all(|cells| !of_first(cells, 1e-3)));
+        assert!([[9, 6], [13, 9]].into_iter().all(|cells| of_first(cells, 1e-4)));
+        for kind in [CellKind::Hex20, CellKind::Hex27] {
+            assert!([[9, 5], [10, 4], [12, 5], [17, 5]].into_iter().all(|cells| !is_reported(kind, cells, 1e-2)), "{kind:?}");
+            assert!([[9, 5], [10, 4], [12, 5], [12, 10]].into_iter().all(|cells| !is_reported(kind, cells, 1e-3)), "{kind:?}");
+            assert!(is_reported(kind, [17, 5], 1e-3), "{kind:?}");
+            assert!([[9, 5], [10, 4], [12, 5], [17, 5]].into_iter().all(|cells| is_reported(kind, cells, 1e-4)), "{kind:?}");
         }
-        assert!([[16, 11], [13, 9], [12, 8]].into_iter().all(|cells| is_reported(CellKind::Hex8, cells, 1e-4)));
-        assert!([1e-2, 1e-3].into_iter().all(|fit| is_reported(CellKind::Tet10, [17, 5], fit)));
+        assert!(is_reported(CellKind::Tet10, [17, 5], 1e-3));
     }
 
     /// Spheres of six blocks: facets of 16 cells around are too coarse for a thousandth of the radius, also of second order for less.
     #[test]
     fn coarse_spheres_are_uneven() {
         assert!(found(CellKind::Hex8, true, [24, 16], false, 1e-3).is_distorted());
-        // Measured in octants: 1.1 and 1.8 % for 1e-2 and 1e-3.
+        // Measured in octants: 1.7 and 5 % for 1e-2 and 1e-3.
         let [large, less, small] = [1e-2, 1e-3, 1e-5].map(|fit| found(CellKind::Hex20, true, [24, 16], false, fit));
-        assert!(!large.is_distorted() && !less.is_distorted() && small.is_distorted(), "{large:?} {less:?} {small:?}");
+        assert!(!large.is_distorted() && less.is_distorted() && small.is_distorted(), "{large:?} {less:?} {small:?}");
         assert!(found(CellKind::Tet10, true, [24, 16], false, 1e-5).is_distorted());
     }
 }

@@ -43,7 +43,14 @@ pub fn cross<T: Copy, R: Number + Mul<T, Output = R>>(a: Vec3<R>, b: Vec3<T>) ->
 /// Diagonals of a facet of four nodes, or two sides of a triangle, whose cross product is along the normal.
 #[inline(always)]
 pub fn diagonals<T: Number>(nodes: &[Vec3<T>]) -> [Vec3<T>; 2] {
-    if nodes.len() == 3 { [sub(nodes[1], nodes[0]), sub(nodes[2], nodes[0])] } else { [sub(nodes[2], nodes[0]), sub(nodes[3], nodes[1])] }
+    let [c, d] = diagonal_ends(nodes.len());
+    [sub(nodes[c.1], nodes[c.0]), sub(nodes[d.1], nodes[d.0])]
+}
+
+/// Start and end of each of the vectors [`diagonals`] among the nodes of a facet.
+#[inline(always)]
+pub fn diagonal_ends(count: usize) -> [(usize, usize); 2] {
+    if count == 3 { [(0, 1), (0, 2)] } else { [(0, 2), (1, 3)] }
 }
 
 /// Axes of a facet: the first along the mean of the first side and the opposite one, the third along the normal.

@@ -2,8 +2,10 @@
 
 use std::ops::Mul;
 
-use super::profiles::{Form, Profile, turned};
-use super::vectors::{FacetFrame, Vec3, cross, dot, scaled, sub};
+use super::forms::{Form, turned};
+use super::profiles::Profile;
+use super::stretch::Stretched;
+use super::vectors::{FacetFrame, Vec3, cross, diagonal_ends, dot, scaled, sub};
 use super::vertices::{CORNERS, NODES, PerTriangle};
 use crate::contact::numbers::Number;
 
@@ -23,7 +25,13 @@ pub struct View<T> {
     /// Heights of the points.
     pub h: [T; POINTS],
     /// Height profiles of both facets; `None` if both are flat.
-    pub profiles: Option<[Profile; 2]>,
+    pub curves: Option<Curves>,
+}
+
+/// Height profiles of both facets of a pair in a configuration, and the stretches of the facets.
+pub struct Curves {
+    pub profiles: [Profile; 2],
+    pub stretches: [Stretched<f64>; 2],
 }
 
 /// Least and largest coordinates along both plane axes.
@@ -55,7 +63,7 @@ impl<T: Number> View<T> {
                 middle[i] += x[i] * (1.0 / own as f64);
             }
         }
-        let mut view = View { counts, frame, arms: [[zero; 3]; NODES], p: [[zero; 2]; POINTS], h: [zero; POINTS], profiles: None };
+        let mut view = View { counts, frame, arms: [[zero; 3]; NODES], p: [[zero; 2]; POINTS], h: [zero; POINTS], curves: None };
         for (k, x) in x.iter().enumerate() {
             let arm = sub(*x, middle);
             let [first, second, normal] = view.frame.axes;
@@ -89,7 +97,7 @@ impl<T: Number> View<T> {
     /// Height profiles of a secondary and a primary triangle, given by their corners; `None` if both facets are flat.
     #[inline(always)]
     pub fn forms(&self, [[first, ..], [_, second, _]]: &PerTriangle<usize>) -> Option<[Form; 2]> {
-        let [own, other] = self.profiles.as_ref()?;
+        let [own, other] = &self.curves.as_ref()?.profiles;
         // A triangle has the index of the facet's corner at which it starts; primary triangles are listed with this corner as the second
         // one.
         Some([*own.form(*first), turned(other.form(second - self.counts[0]))])
@@ -162,12 +170,12 @@ impl<T: Number> View<T> {
         // Rotation `b` of the projection normal `N/|N|`, `N = c x d` with the diagonals: b = -m x n / |N|, d N.b = dc.(d x b) + dd.(b x c)
         let tilt = scaled(cross(moment, normal), -length.recip());
         let (of_c, of_d) = (cross(tilt, d), cross(tilt, c));
-        let [on_c, on_d] = if self.counts[0] == 3 { [(1, 0), (2, 0)] } else { [(2, 0), (3, 1)] };
+        let [on_c, on_d] = diagonal_ends(self.counts[0]);
         for i in 0..3 {
-            gradient[on_c.0][i] -= of_c[i];
-            gradient[on_c.1][i] += of_c[i];
-            gradient[on_d.0][i] += of_d[i];
-            gradient[on_d.1][i] -= of_d[i];
+            gradient[on_c.1][i] -= of_c[i];
+            gradient[on_c.0][i] += of_c[i];
+            gradient[on_d.1][i] += of_d[i];
+            gradient[on_d.0][i] -= of_d[i];
         }
         gradient
     }

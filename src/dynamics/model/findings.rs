@@ -115,7 +115,7 @@ impl Model {
             }
             let faces = [side, on].map(|on| boundary_faces(self, on, first[on.body]));
             let surfaces = interaction.proxy_surfaces_in_space(&faces, reference);
-            match uneven_fit(surfaces, reference).filter(|of| of.is_distorted()) {
+            match uneven_fit(&surfaces, reference).filter(|of| of.is_distorted()) {
                 Some(of) => Some(Finding::UnevenFit { secondary, primary, of }),
                 None => self.constant_strain([side, on], of_facets?.curvature),
             }
