@@ -90,8 +90,9 @@ impl<const D: usize> Equations<D> {
     /// Inverse augmentation of every constraint in a step, by the stiffness of the constraints.
     ///
     /// Nodes of a rigid body have more constraints than motions, and nodes at both sides of a periodic pair, or of a boundary that moves
-    /// with a reference body, one motion: their pressures are undetermined. From iteration to iteration, compliances `C_A` select those
-    /// with the least `sum_A C_A lambda_A^2`. With `C_A` by area, a flat face has even pressures; by stiffness they would follow nodal masses.
+    /// with a reference body, have one motion: their pressures are undetermined. From iteration to iteration, compliances `C_A` select
+    /// those with the least `sum_A C_A lambda_A^2`. With `C_A` by area, a flat face has even pressures; by stiffness they would follow
+    /// nodal masses.
     pub fn compliance(&self, stiffness: &[f64]) -> Vec<f64> {
         // A tangential constraint in the plane may coincide with the constraint of a symmetry plane or of a periodic pair.
         let has_couplings = self.pairs.iter().any(|pair| matches!(pair.kind, PairKind::Coupling(_)));
@@ -188,8 +189,8 @@ impl<const D: usize> Equations<D> {
     }
 
     /// Weighted gaps of active constraints in a step that starts with the weighted gaps `gap_n`. Under a rule that keeps an overlap,
-    /// corners admit the one that all surface constraints around them have, on which they would otherwise depend: after the impact of a flat face,
-    /// all its edges and vertices.
+    /// corners admit the one that all surface constraints around them have, on which they would otherwise depend: after the impact of a
+    /// flat face, all its edges and vertices.
     fn held_gaps(&self, gap_n: &[f64]) -> Vec<f64> {
         let mut held = self.closed_gaps();
         for pair in self.pairs.iter().filter(|pair| pair.update.holds == ActiveConstraints::AsItIs) {
