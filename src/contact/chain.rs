@@ -602,7 +602,7 @@ mod tests {
         };
         // Below the node, along the bisector of the facets.
         let half = 0.1f64;
-        let below = |by: f64, along: f64| [-by * half.sin() + along * half.cos(), -by * half.cos() - along * half.sin()];
+        let below = |by: f64, along: f64| [by * half.sin() + along * half.cos(), -by * half.cos() + along * half.sin()];
         for by in [0.1, 0.01, -0.01] {
             assert!(line(2.0 * half, below(by, 0.0)).is_some() && line(2.0 * half, below(by, 0.01)).is_none(), "{by}");
         }
