@@ -9,7 +9,7 @@
 //! With a height profile `p` of the facet the gap is the distance to the curve, `n.(x - y_1) - l p(s)`.
 //!
 //! Beyond the end of a chain the gap is the distance to the continuation of the end facet where that is positive, else zero, and the point
-//! is not covered. A point opposite the end up to round-off is covered.
+//! is not covered. A point opposite the end up to round-off is covered; in a step that it begins as such, up to [`Chain::extension`], too.
 
 use nalgebra::{SVector, Vector2};
 
