@@ -105,8 +105,7 @@ impl Chain {
 
     /// Gap at the node positions `z`. Only `admitted` facets can be the closest. `None` where the function vanishes identically.
     pub fn measure(&self, z: &[f64], admitted: &[bool]) -> Option<Measure> {
-        let facets = (0..self.facets.len()).filter(|&index| admitted[index]);
-        let (index, s) = self.closest(facets.map(|index| (index, [0.0, 1.0])), z)?;
+        let (index, s) = self.closest_admitted(z, admitted)?;
         self.measure_at(index, s, z)
     }
 
@@ -127,6 +126,12 @@ impl Chain {
         } else {
             self.measure_at(index, s, z)
         }
+    }
+
+    /// Closest facet among the `admitted` ones, and the coordinate of the closest point.
+    fn closest_admitted(&self, z: &[f64], admitted: &[bool]) -> Option<(usize, f64)> {
+        let facets = (0..self.facets.len()).filter(|&index| admitted[index]);
+        self.closest(facets.map(|index| (index, [0.0, 1.0])), z)
     }
 
     /// Closest facet among `facets`, each with the admissible range of its coordinate, and the coordinate of the closest point.
@@ -152,8 +157,7 @@ impl Chain {
 
     /// Distance of a point beyond the end of the chain, in lengths of the end facet; `None` if the closest point is not the end.
     pub fn beyond_end(&self, z: &[f64], admitted: &[bool]) -> Option<f64> {
-        let facets = (0..self.facets.len()).filter(|&index| admitted[index]);
-        let (index, s) = self.closest(facets.map(|index| (index, [0.0, 1.0])), z)?;
+        let (index, s) = self.closest_admitted(z, admitted)?;
         let is_end = (s <= 0.0 || s >= 1.0) && self.neighbors[index][usize::from(s >= 1.0)] == NONE;
         is_end.then(|| self.excess(index, s, z))
     }

@@ -119,7 +119,7 @@ impl PointStart {
         }
         self.pocket = pocket(self);
         self.measures = self.measures(&self.positions);
-        self.settle_end();
+        self.decide_end();
         if is_overlapped(self) {
             self.pocket = None;
             self.measures = self.measures(&self.positions);
@@ -133,7 +133,7 @@ impl PointStart {
     /// Decides for the step whether a point near an end of the chain is opposite it. The ends of flush bodies move past each other, and the
     /// end facet tilts, from iterate to iterate: a gap that appears or disappears with them has no solution. In an overlap, which other
     /// nodes may have kept from an impact, it would have to close at once.
-    fn settle_end(&mut self) {
+    fn decide_end(&mut self) {
         match self.chain.beyond_end(&self.positions, &self.closest) {
             Some(beyond) if self.measures[0].is_none() => self.is_excluded |= beyond <= NEAR_END,
             _ => self.chain.extension = if self.measures.iter().flatten().any(|measure| measure.covered) { NEAR_END } else { 0.0 },

@@ -195,6 +195,9 @@ impl<const D: usize> Equations<D> {
         let mut held = self.closed_gaps();
         for pair in self.pairs.iter().filter(|pair| pair.update.holds == ActiveConstraints::AsItIs) {
             let Some(contact) = pair.corners.map(|corners| &self.pairs[corners.pair]) else { continue };
+            if gap_n[contact.rows.clone()].iter().all(|&gap| gap >= 0.0) {
+                continue;
+            }
             let rows = contact.rows.clone().zip(contact.kernel.weights());
             let gaps: BTreeMap<u32, f64> = rows.filter_map(|(row, weight)| Some((contact.node_of(row)?, gap_n[row] / weight))).collect();
             let (patches, weights) = (pair.kernel.patches(), pair.kernel.weights());
