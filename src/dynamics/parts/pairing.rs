@@ -208,9 +208,9 @@ impl Pairing<'_> {
             pair.augmentation = pair.augmentation.or(Some(tolerances::CORNER_AUGMENTATION));
         }
         if (interaction.equality || self.is_coupled(interaction)) && pair.has_multipliers() {
-            // Bilateral contacts may hold nodes that joints and couplings hold already, as long as the contact is covered. Where normals are
-            // equal, contacts at both sides of a periodic pair, at a boundary that moves with a reference body, and of a node in a plane of
-            // symmetry are dependent.
+            // Bilateral contacts may hold nodes that joints and couplings hold already, as long as the contact is covered. Where normals
+            // are equal, contacts at both sides of a periodic pair, at a boundary that moves with a reference body, and of a node in a
+            // plane of symmetry are dependent.
             pair.augmentation = pair.augmentation.or(Some(tolerances::SURFACE_AUGMENTATION));
         }
         pair.restitution = self.restitution(interaction, &pair);
