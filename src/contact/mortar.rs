@@ -12,16 +12,18 @@ use super::method::ContactMethod;
 use super::multiplier_shapes::{DUAL, MultiplierFunctions, STANDARD, dual_around_axis};
 use super::numbers::Number;
 use super::pair::{Invariants, Offsets, Overlap, PerNode, invariants, offsets, overlaps, pull_back, slip_weights, tangent_into};
-use super::pair_step::{Differentiated, Functions, PairStart, combined, covered_length, dot, value, value_and_gradient};
+use super::pair_step::{
+    Differentiated, Functions, PairStart, Remainder, combined, covered_length, dot, is_doubtful, value, value_and_gradient,
+};
 use super::patches::Evaluation;
 use super::profile::PairProfiles;
 use super::search::PairSearch;
 use super::slip::{self, SlipRows, SlipStep};
 use super::space::MortarInSpace;
 use super::surface::Sides;
-use crate::integrators::{Configuration, Derivative};
+use crate::integrators::{Configuration, Derivative, LEAST_SQUARE};
 use crate::math::norms::largest_size;
-use crate::math::tolerances::{INVARIANT_INCREMENT, POSITION, WHOLE};
+use crate::math::tolerances::{POSITION, WHOLE};
 
 /// Mortar method with standard Lagrange multipliers on the secondary nodes.
 pub static MORTAR: ContactMethod = ContactMethod {
@@ -144,7 +146,14 @@ impl Mortar {
     /// Correction of the discrete gradient shared by all pairs of secondary node `A`,
     /// `a_A = sum (Phi_1 - Phi_0 - grad Phi(pi_mid).d) / sum d.d`; 0 for increments near round-off.
     fn shared_corrections(&self, q_1: &[f64]) -> Vec<f64> {
-        let mut sums = vec![[0.0; 3]; self.sides.secondary.nodes().len()];
+        /// Sums over the pairs of a node: remainder, squared increment of the invariants, squared invariants.
+        #[derive(Clone, Copy, Default)]
+        struct Sums {
+            remainder: Remainder,
+            square: f64,
+            size: f64,
+        }
+        let mut sums = vec![Sums::default(); self.sides.secondary.nodes().len()];
         for (p, start) in self.start.iter().enumerate().filter(|(p, _)| self.search.near[*p]) {
             let end_pi = invariants(&self.offsets(p, q_1));
             let middle_pi: Invariants = std::array::from_fn(|k| 0.5 * (start.invariants[k] + end_pi[k]));
@@ -157,13 +166,17 @@ impl Mortar {
             let end_value = value(&start.shape, &Overlap::new(&end_pi, profiles));
             for k in 0..2 {
                 let sums = &mut sums[self.sides.patches.rows(p)[k] as usize];
-                sums[0] += end_value[k] - start.value[k] - dot(&middle_gradient[k], &d);
-                sums[1] += dot(&d, &d);
-                sums[2] += dot(&end_pi, &end_pi);
+                let round_off = self.round_off * end_pi[0].sqrt();
+                sums.remainder.add(Remainder::of([start.value[k], end_value[k]], &middle_gradient[k], &d, round_off));
+                sums.square += dot(&d, &d);
+                sums.size += dot(&end_pi, &end_pi);
             }
         }
-        let threshold = INVARIANT_INCREMENT * INVARIANT_INCREMENT;
-        sums.iter().map(|[remainder, square, size]| if *square > threshold * size { remainder / square } else { 0.0 }).collect()
+        let quotient = |of: &Sums| {
+            let is_round_off = of.square <= LEAST_SQUARE || is_doubtful(of.square, of.size) && of.remainder.is_round_off();
+            if is_round_off { 0.0 } else { of.remainder.value / of.square }
+        };
+        sums.iter().map(quotient).collect()
     }
 
     /// Candidate pairs (secondary facet, primary facet), in the order of the contact elements.

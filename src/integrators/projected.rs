@@ -96,6 +96,11 @@ impl<const D: usize> Projection<D> {
         change - gradient_mid.iter().zip(&self.motion).map(|(g, d)| g * d).sum::<f64>()
     }
 
+    /// Round-off of [`Self::remainder`].
+    pub fn round_off(&self, gradient_mid: &[f64]) -> f64 {
+        round_off(self.size().sqrt(), gradient_mid)
+    }
+
     /// The projected increment `p`, node after node.
     pub fn increment(&self) -> impl Iterator<Item = f64> {
         self.projected.iter().flat_map(|p| p.as_slice()[..D].iter().copied())
@@ -110,8 +115,7 @@ impl<const D: usize> Projection<D> {
     /// numerator is round-off, as for a smooth function in a small step, but not at a kink.
     fn quotient(&self, gradient_mid: &[f64], change: f64) -> Option<f64> {
         let remainder = self.remainder(gradient_mid, change);
-        let slope = || gradient_mid.iter().map(|g| g.abs()).sum::<f64>();
-        let is_round_off = self.doubtful.is_some_and(|size| remainder.abs() <= REMAINDER * size * slope());
+        let is_round_off = self.doubtful.is_some_and(|size| remainder.abs() <= round_off(size, gradient_mid));
         (!is_round_off).then_some(remainder * self.inverse_square)
     }
 
@@ -133,6 +137,11 @@ impl<const D: usize> Projection<D> {
         let Some(e) = self.quotient(f.gradient_mid, f.change).filter(|_| self.inverse_square > 0.0) else { return };
         dispatch(Corrections { projection: self, weight, quotient: e, function: f, out });
     }
+}
+
+/// Round-off of the remainder of a function of the nodes of an element of a size `[length]`.
+fn round_off(size: f64, gradient_mid: &[f64]) -> f64 {
+    REMAINDER * size * gradient_mid.iter().map(|g| g.abs()).sum::<f64>()
 }
 
 /// Number of columns of a tangent that are computed together.

@@ -493,3 +493,7 @@ pub const LINEAR_STATE: f64 = 0.05;
 /// Relative difference of the strain energy from that of the linear model, times the load factor, above which the path to the buckling load
 /// counts as nonlinear.
 pub const LINEAR_PATH: f64 = 0.2;
+
+/// Norm of a difference of two increments of Newton's method, relative to its norm before orthogonalization, below which it depends
+/// linearly on later differences.
+pub const SAME_DIRECTION: f64 = 1e-6;

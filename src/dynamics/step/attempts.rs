@@ -35,13 +35,11 @@ pub const ATTEMPTS: [(Strategy, Correction); 5] = [
 /// Order of the attempts, by their indices in [`ATTEMPTS`].
 pub type AttemptOrder = [usize; ATTEMPTS.len()];
 
-/// Order of the attempts in the plane.
-const IN_PLANE: AttemptOrder = [0, 1, 2, 3, 4];
-
-/// Order of the attempts in space. Edges of both sides that coincide on a length (rings of equal height with equal layers) are kinks of all
-/// their contact elements. The correction of one element depends on the direction of its motion `p` without rigid motions, and its
-/// derivative on `1/|p|`. In the sum over the elements of a node the kinks of inner edges cancel.
-const IN_SPACE: AttemptOrder = [0, PER_NODE, 1, 3, 4];
+/// Usual order of the attempts. Nodes exactly opposite nodes in the plane, and edges of both sides that coincide on a length in space
+/// (blocks or rings with equal layers), are kinks of all their contact elements. The correction of one element depends on the direction of
+/// its motion `p` without rigid motions, and its derivative on `1/|p|`. In the sum over the elements of a node the kinks of inner edges
+/// cancel (`tests/scripts/contacts.rhai`).
+const USUAL: AttemptOrder = [0, PER_NODE, 1, 3, 4];
 
 /// Order of the attempts in space with friction. Surfaces that stick move by 1e-9 of a facet relative to each other. With corrections of
 /// elements the tangent has entries of 2000 times the stiffness of the nodes (`tests/scripts/flush_friction.rhai`), and no set of sticking
@@ -53,11 +51,7 @@ pub const PER_NODE: usize = 2;
 
 /// Order of the attempts for models in `dimension` dimensions.
 pub fn usual_order(dimension: usize, has_friction: bool) -> AttemptOrder {
-    match (dimension, has_friction) {
-        (3, true) => IN_SPACE_WITH_FRICTION,
-        (3, false) => IN_SPACE,
-        _ => IN_PLANE,
-    }
+    if dimension == 3 && has_friction { IN_SPACE_WITH_FRICTION } else { USUAL }
 }
 
 /// Number of steps after which the usual attempt is the first one again.

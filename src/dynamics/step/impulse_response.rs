@@ -33,6 +33,8 @@ pub(super) struct EndMatrix {
     pub(super) values: Vec<f64>,
     /// Values of mass and stiffness alone, unscaled; `None` without supports.
     free: Option<Vec<f64>>,
+    /// Held constraints with a compliance, and this.
+    compliances: Vec<(usize, f64)>,
 }
 
 /// Given impulses and rates of constraints that change the velocities.
@@ -65,7 +67,7 @@ where
         let mut values = vec![0.0; self.matrix.pattern.values()];
         self.add_mass_and_stiffness(&at.u_1, beta, &mut values);
         let scale = self.end_scale(evaluated);
-        let mut rows = ConstraintRows::held(hold);
+        let mut rows = self.held_rows(hold, evaluated);
         let mut given: Vec<f64> = hold.iter().zip(rate).map(|(hold, rate)| if *hold { *rate } else { 0.0 }).collect();
         for pair in &self.pairs {
             for (row, normal_row) in pair.tangential().filter(|(row, _)| ratios[*row] != 0.0) {
@@ -79,10 +81,34 @@ where
         right.iter_mut().zip(&self.supports.fixed).filter(|(_, fixed)| **fixed).for_each(|(f, _)| *f = 0.0);
         right.extend(given);
         self.counters.times.assembly += clock.elapsed();
-        self.solve_with(&matrix.values, &mut right, Instant::now())?;
+        self.solve_end(&matrix, &mut right)?;
         let mu = right.split_off(unknowns);
         let lambda: Vec<f64> = lambda.iter().zip(&mu).map(|(lambda, mu)| lambda + mu / scale).collect();
         Ok(self.response((evaluated, &at.q_1), &matrix, right, lambda, &[]))
+    }
+
+    /// Factorizes the matrix and solves with a right side.
+    pub(super) fn solve_end(&mut self, matrix: &EndMatrix, right: &mut Vec<f64>) -> Result<(), Failure> {
+        let asked = right.clone();
+        self.solve_with(&matrix.values, right, Instant::now())?;
+        self.without_compliance(matrix, &asked, right)
+    }
+
+    /// Reduces the influence of compliances by repeated solutions, in which the multipliers of the last one replace them (proximal point
+    /// method).
+    pub(super) fn without_compliance(&mut self, matrix: &EndMatrix, asked: &[f64], solution: &mut Vec<f64>) -> Result<(), Failure> {
+        if matrix.compliances.is_empty() {
+            return Ok(());
+        }
+        let (clock, first) = (Instant::now(), asked.len() - self.multipliers);
+        for _ in 0..tolerances::RATE_REPETITIONS {
+            let mut next = asked.to_vec();
+            matrix.compliances.iter().for_each(|&(row, compliance)| next[first + row] += compliance * solution[first + row]);
+            self.matrix.solver.solve(&matrix.values, &mut next).map_err(Failure::Linear)?;
+            *solution = next;
+        }
+        self.counters.times.solve += clock.elapsed();
+        Ok(())
     }
 
     /// Matrix of velocity changes at the end of a step: masses, stiffness and the given constraints.
@@ -91,7 +117,9 @@ where
         values.iter_mut().for_each(|value| *value *= scale);
         self.write_constraints(&self.matrix.pattern, evaluated, rows, ForceShares::WHOLE, |pair| &pair.gradient_end, &mut values);
         self.matrix.finish(rows, self.nodes.modulus, &mut values);
-        EndMatrix { values, free }
+        let is_compliant = |(_, row): &(usize, &Equation)| row.acts && row.gradient != 0.0 && row.diagonal != 0.0;
+        let compliances = rows.0.iter().enumerate().filter(is_compliant).map(|(number, row)| (number, row.diagonal)).collect();
+        EndMatrix { values, free, compliances }
     }
 
     /// Change of the velocities by constraint impulses, and by the forces `given` if any, including reactions of supports and obstacles.
@@ -140,10 +168,25 @@ impl<const D: usize> Equations<D>
 where
     Space<D>: Elements<D>,
 {
+    /// Equations of the constraints that `hold`. In models with couplings, unilateral constraints have a small compliance: those of both
+    /// sides of a periodic pair are equal, so that without it the matrix would be singular.
+    pub(super) fn held_rows(&self, hold: &[bool], evaluated: [&[Evaluation]; 2]) -> ConstraintRows {
+        let mut rows = ConstraintRows::held(hold);
+        if self.pairs.iter().any(|pair| matches!(pair.kind, PairKind::Coupling(_))) {
+            let compliance = tolerances::RATE_COMPLIANCE * largest_end_gradient(evaluated);
+            for pair in self.pairs.iter().filter(|pair| pair.is_unilateral()) {
+                let tangential = pair.tangential().map(|(row, _)| row);
+                for row in pair.rows.clone().chain(tangential).filter(|&row| hold[row]) {
+                    rows.0[row].diagonal += compliance;
+                }
+            }
+        }
+        rows
+    }
+
     /// Factor that scales masses to the size of constraint gradients; without it the round-off of the constraints would appear as momentum.
     pub(super) fn end_scale(&self, evaluated: [&[Evaluation]; 2]) -> f64 {
-        let gradient = evaluated[0].iter().map(|pair| largest_size(&pair.gradient_end)).fold(0.0, f64::max);
-        gradient / self.nodes.largest_nodal_mass
+        largest_end_gradient(evaluated) / self.nodes.largest_nodal_mass
     }
 
     /// True if the momenta of an impulse response equal the external impulses to round-off: nearly dependent constraints give a solution
@@ -156,4 +199,9 @@ where
         let (resultant, moment) = (self.nodes.resultant(&off), self.nodes.moment(q_1, &off));
         !far(resultant, limit) && !far(moment, limit * reach)
     }
+}
+
+/// Largest component of the gradients of the normal constraints at the end of a step.
+fn largest_end_gradient(evaluated: [&[Evaluation]; 2]) -> f64 {
+    evaluated[0].iter().map(|pair| largest_size(&pair.gradient_end)).fold(0.0, f64::max)
 }

@@ -2,6 +2,7 @@
 
 pub mod acceleration;
 pub mod active_set;
+pub mod anderson;
 pub mod assembly;
 pub mod attempts;
 pub mod conditions;

@@ -5,6 +5,7 @@
 //! by the natural residual `min(lambda, c Phi)` and by the energy error, the work of the residual along the displacement in the step, not
 //! by an unchanged set.
 
+use super::anderson::Anderson;
 use super::attempts::{ATTEMPTS, PER_NODE, PreferredAttempt, Strategy, usual_order};
 use super::conditions::Conditions;
 use super::contact_set::{constraint_rows, drop_slivers, has_row, pairs_at, slips_at, starting_set, sticking_work, worst_violation};
@@ -120,12 +121,12 @@ where
     let usual = usual_order(D, has_facets && system.pairs.iter().any(|pair| pair.friction.is_some()));
     let attempts = task.preferred.order(usual).filter(|&index| has_facets || ATTEMPTS[index].1 == Correction::default());
     for (number, index) in attempts.enumerate() {
-        let ((strategy, correction), before) = (ATTEMPTS[index], system.counters.factorizations);
+        let (one, before) = (ATTEMPTS[index], system.counters.factorizations);
         if number > 0 {
             trace.earlier.push(std::mem::take(&mut trace.iterations));
         }
-        system.equations.set_correction(correction);
-        outcome = attempt(system, task, strategy, iterations, trace).map_err(|failure| failure.or_end(task.start.time));
+        system.equations.set_correction(one.1);
+        outcome = attempt(system, task, one, iterations, trace).map_err(|failure| failure.or_end(task.start.time));
         system.equations.set_correction(Correction::default());
         system.is_far = false;
         match &mut outcome {
@@ -137,9 +138,9 @@ where
         // If vertices of both meshes coincide, another discrete gradient may avoid the kink that stops convergence. Steps with violated
         // contact conditions are rather halved.
         let is_far = !task.is_patient && trace.iterations.last().is_some_and(|last| last.violation > 1.0);
-        // In space, kinks of coinciding edges stop convergence although the active set stays; with one correction per node they cancel.
+        // Kinks of nodes or edges that coincide stop convergence although the active set stays; with one correction per node they cancel.
         let is_set_constant = trace.iterations.iter().rev().take(SOME_ITERATIONS).all(|one| one.changed.is_empty());
-        let may_be_kink = D == 3 && number == 0 && index != PER_NODE && is_set_constant;
+        let may_be_kink = number == 0 && index != PER_NODE && is_set_constant;
         if system.multipliers == 0 || is_inverted || is_far && !may_be_kink || matches!(outcome, Ok(_) | Err(Failure::Fatal(_))) {
             break;
         }
@@ -175,13 +176,15 @@ pub(super) struct Attempt<'a, const D: usize> {
     pub(super) is_damped: bool,
     /// Tangential compliance of overconstrained nodes relative to its first value; decreases while the active set stays.
     pub(super) compliance_ratio: f64,
+    /// Acceleration of iterations whose tangent omits derivatives: those of corrections shared by all pairs of a node.
+    anderson: Option<Anderson>,
 }
 
 /// Solves one step with one strategy; `trace` records the iterations.
 fn attempt<const D: usize>(
     system: &mut System<D>,
     task: &Task,
-    strategy: Strategy,
+    (strategy, correction): (Strategy, Correction),
     iterations: &mut usize,
     trace: &mut Trace,
 ) -> Result<Solution, Failure>
@@ -190,26 +193,9 @@ where
 {
     let u_1 = task.start.u_0.iter().zip(task.moved).map(|(u_0, moved)| u_0 + moved).collect();
     *trace = Trace { iterations: Vec::new(), u_1, earlier: std::mem::take(&mut trace.earlier) };
-    let members = &task.conditions.members;
-    let lambda: Vec<f64> = task.lambda.iter().zip(members).map(|(&lambda, member)| if *member { lambda } else { 0.0 }).collect();
-    let facet = system.smallest_facet();
-    let limit = match strategy {
-        Strategy::InnerLoop => facet * tolerances::STEP_LIMIT,
-        Strategy::Backtracking => f64::INFINITY,
-    };
-    let mut attempt = Attempt {
-        dropped: members.iter().map(|member| !member).collect(),
-        active: vec![RowState::Open; system.multipliers],
-        limit,
-        first_limit: limit,
-        taken: 1.0,
-        proximal: None,
-        is_dependent: false,
-        is_damped: false,
-        compliance_ratio: 1.0,
-        system,
-        task,
-    };
+    let lambda: Vec<f64> =
+        task.lambda.iter().zip(&task.conditions.members).map(|(&lambda, member)| if *member { lambda } else { 0.0 }).collect();
+    let mut attempt = Attempt::new(system, task, (strategy, correction));
     let mut convergence = Convergence::new(strategy.iterations(), task.is_patient, task.is_exact);
     let mut at = attempt.beginning(&lambda, iterations)?;
     for iteration in 0.. {
@@ -230,7 +216,7 @@ where
             IterateDecision::GoesOn => {}
         }
         *iterations += 1;
-        let (mut set, increment, new_lambda);
+        let (mut set, mut increment, mut new_lambda);
         set = starting_set(attempt.system, &at, task.conditions, &attempt.dropped);
         (increment, new_lambda) = match strategy {
             Strategy::InnerLoop => attempt.finish_set(&mut at, &mut set)?,
@@ -248,12 +234,49 @@ where
         };
         attempt.active = set;
         attempt.adapt_limit(trace.iterations.last(), &record);
-        trace.iterations.push(record);
         convergence.is_limited = attempt.is_damped || largest_size(&increment) > attempt.limit;
+        attempt.accelerate(record.changed.is_empty() && !convergence.is_limited, &at.lambda, [&mut increment, &mut new_lambda]);
+        trace.iterations.push(record);
         let searches = strategy == Strategy::Backtracking;
         at = attempt.moved(searches, at, &increment, &new_lambda, &mut trace.u_1)?;
     }
     Err(Failure::Iterations)
+}
+
+impl<'a, const D: usize> Attempt<'a, D>
+where
+    Space<D>: Elements<D>,
+{
+    fn new(system: &'a mut System<D>, task: &'a Task<'a>, (strategy, correction): (Strategy, Correction)) -> Self {
+        let limit = match strategy {
+            Strategy::InnerLoop => system.smallest_facet() * tolerances::STEP_LIMIT,
+            Strategy::Backtracking => f64::INFINITY,
+        };
+        Attempt {
+            dropped: task.conditions.members.iter().map(|member| !member).collect(),
+            active: vec![RowState::Open; system.multipliers],
+            limit,
+            first_limit: limit,
+            taken: 1.0,
+            proximal: None,
+            is_dependent: false,
+            is_damped: false,
+            compliance_ratio: 1.0,
+            anderson: (correction == Correction::PerNode && strategy == Strategy::InnerLoop).then(Anderson::default),
+            system,
+            task,
+        }
+    }
+
+    /// Accelerates an increment of positions and the new multipliers, which follow the positions, from the multipliers `lambda`.
+    fn accelerate(&mut self, has_same_tangent: bool, lambda: &[f64], [increment, new_lambda]: [&mut [f64]; 2]) {
+        let Some(anderson) = &mut self.anderson else { return };
+        if has_same_tangent {
+            anderson.accelerate_with_multipliers(lambda, increment, new_lambda);
+        } else {
+            anderson.clear();
+        }
+    }
 }
 
 impl<const D: usize> Attempt<'_, D>

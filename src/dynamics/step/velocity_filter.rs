@@ -14,7 +14,6 @@
 
 use std::time::Instant;
 
-use super::constraint_rows::ConstraintRows;
 use super::equations::Equations;
 use super::failure::Failure;
 use super::impulse_response::ImpulseResponse;
@@ -51,7 +50,7 @@ where
         self.dampings.iter().for_each(|damping| damping.add_stiffness(&at.u_1, beta, &mut stiffness));
         let mut values = stiffness.clone();
         self.add_mass_and_stiffness(&at.u_1, 0.0, &mut values);
-        let rows = ConstraintRows::held(hold);
+        let rows = self.held_rows(hold, evaluated);
         let matrix = self.end_matrix(evaluated, &rows, scale, values);
         let rates = self.rates(evaluated, &at.q_1, v);
         let mut lost: Vec<f64> = (0..hold.len()).map(|row| if hold[row] { -rates[row] } else { 0.0 }).collect();
@@ -62,11 +61,13 @@ where
         let against: Vec<f64> = self.image(&stiffness, v).iter().map(|force| -force).collect();
         let mut first = self.right_side(&against, scale, &lost);
         self.counters.times.assembly += clock.elapsed();
-        self.solve_with(&matrix.values, &mut first, Instant::now())?;
+        self.solve_end(&matrix, &mut first)?;
         let force = self.image(&stiffness, &first[..unknowns]);
-        let (clock, mut second) = (Instant::now(), self.right_side(&force, scale, &lost));
+        let (clock, asked) = (Instant::now(), self.right_side(&force, scale, &lost));
+        let mut second = asked.clone();
         self.matrix.solver.solve(&matrix.values, &mut second).map_err(Failure::Linear)?;
         self.counters.times.solve += clock.elapsed();
+        self.without_compliance(&matrix, &asked, &mut second)?;
         let lambda: Vec<f64> = second.split_off(unknowns).iter().map(|p| p / scale).collect();
         let mut response = self.response((evaluated, &at.q_1), &matrix, second, lambda, &force);
         self.add_driven(at, &rates, &mut response);

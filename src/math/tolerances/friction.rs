@@ -73,3 +73,9 @@ pub const WORK_ROUND_OFF: f64 = 2e-15;
 
 /// Kinetic plus strain energy, relative to the energy that loads add in one step, up to which the bodies count as standing still.
 pub const HARDLY_MOVED: f64 = 1e-6;
+
+/// Compliance of unilateral constraints in the velocities at the end of a step, relative to their response by the largest nodal mass, in
+/// models whose couplings make constraints dependent. With less, momenta are not balanced to round-off.
+pub const RATE_COMPLIANCE: f64 = 1e-4;
+/// Number of repeated solutions after which [`RATE_COMPLIANCE`] leaves an error of 1e-12 of the rates.
+pub const RATE_REPETITIONS: usize = 2;
