@@ -10,8 +10,8 @@ use crate::dynamics::parts::contact_pair::ContactPair;
 use crate::dynamics::parts::nodal::{moment, resultant};
 use crate::dynamics::step::convergence::Iteration;
 use crate::dynamics::step::failure::Failure;
-use crate::dynamics::step::newton::Trace;
 use crate::dynamics::step::system::System;
+use crate::dynamics::step::task::Trace;
 use crate::linear::LinearError;
 use crate::math::tolerances::{EXPLAINED, RIGID};
 

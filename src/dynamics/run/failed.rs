@@ -7,7 +7,7 @@ use crate::bodies::{Elements, Space};
 use crate::dynamics::model::remedy::SmallerIncrements;
 use crate::dynamics::model::step_error::StepError;
 use crate::dynamics::step::failure::Failure;
-use crate::dynamics::step::newton::Trace;
+use crate::dynamics::step::task::Trace;
 
 /// Relative part of a damped step that may deviate from a rigid motion described as such: bodies deform where they touch.
 const MOSTLY: f64 = 0.3;

@@ -34,9 +34,10 @@ use crate::dynamics::step::contact_set::meets;
 use crate::dynamics::step::equations::Equations;
 use crate::dynamics::step::failure::Failure;
 use crate::dynamics::step::iterate::Linearization;
-use crate::dynamics::step::newton::{Solution, Task, solve};
+use crate::dynamics::step::newton::{Solution, solve};
 use crate::dynamics::step::predictor::{displacements_to, follow_prescribed};
 use crate::dynamics::step::start::{StepKind, StepStart};
+use crate::dynamics::step::task::Task;
 use crate::math::norms::largest_size;
 use crate::math::tolerances;
 

@@ -10,9 +10,10 @@ use crate::contact::{MotionBound, PredictedMotion};
 use crate::dynamics::model::step_error::StepError;
 use crate::dynamics::parts::contact_pair::PairKind;
 use crate::dynamics::step::failure::Failure;
-use crate::dynamics::step::newton::{Solution, Task, solve};
+use crate::dynamics::step::newton::{Solution, solve};
 use crate::dynamics::step::predictor::{displacements_to, follow_prescribed, rigid_motion};
 use crate::dynamics::step::start::{Motion, StepKind, StepStart};
+use crate::dynamics::step::task::Task;
 use crate::integrators::Scheme;
 use crate::math::tolerances;
 

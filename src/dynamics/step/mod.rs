@@ -31,5 +31,6 @@ pub mod scheme_history;
 pub mod search_history;
 pub mod start;
 pub mod system;
+pub mod task;
 pub mod velocity_filter;
 pub mod vibrations;

@@ -7,19 +7,19 @@
 
 use super::anderson::Anderson;
 use super::attempts::{ATTEMPTS, PER_NODE, PreferredAttempt, Strategy, usual_order};
-use super::conditions::Conditions;
 use super::contact_set::{constraint_rows, drop_slivers, has_row, pairs_at, slips_at, starting_set, sticking_work, worst_violation};
 use super::convergence::{Convergence, IterateDecision, Iteration};
 use super::failure::Failure;
 use super::iterate::Linearization;
-use super::start::StepStart;
 use super::system::System;
+use super::task::{Task, Trace};
 use crate::bodies::{Elements, Space};
 use crate::contact::Correction;
 use crate::dynamics::model::step_error::StepError;
+use crate::dynamics::parts::contact_pair::PairKind;
 use crate::dynamics::parts::laws::RowState;
 use crate::dynamics::parts::nodal::{add_force, add_moment};
-use crate::integrators::LEAST_SQUARE;
+use crate::integrators::{Derivative, LEAST_SQUARE};
 use crate::math::norms::largest_size;
 use crate::math::tolerances;
 
@@ -38,46 +38,6 @@ impl Solution {
     pub fn multipliers(&self) -> Vec<f64> {
         self.at.lambda.iter().zip(&self.active).map(|(&lambda, row)| if row.acts() { lambda } else { 0.0 }).collect()
     }
-}
-
-/// Iterations of Newton's method, for the report of a failure.
-#[derive(Clone, Debug, Default)]
-pub struct Trace {
-    /// The iterations of the last strategy.
-    pub iterations: Vec<Iteration>,
-    /// Displacements of the last iterate.
-    pub u_1: Vec<f64>,
-    /// Iterations of earlier strategies.
-    pub earlier: Vec<Vec<Iteration>>,
-}
-
-/// Initial values and termination criteria of Newton's method.
-pub struct Task<'a> {
-    /// Step to be solved.
-    pub start: &'a StepStart<'a>,
-    /// Initial positions.
-    pub predicted: &'a [f64],
-    pub moved: &'a [f64],
-    /// Initial multipliers.
-    pub lambda: &'a [f64],
-    /// Contact conditions of the step.
-    pub conditions: &'a Conditions,
-    /// Reference energy of the residual `[energy]`.
-    pub energy: f64,
-    /// Relative energy tolerance of the residual.
-    pub tolerance: f64,
-    /// True if the energy of the bodies is so small that the round-off of contact forces exceeds the tolerance.
-    pub is_still: bool,
-    /// Continue while the residual decreases, even below the tolerance.
-    pub is_exact: bool,
-    /// Least number of iterations: if a step starts at its own solution, its residual does no work on the first increment.
-    pub at_least: usize,
-    /// Do not abandon stagnating attempts (used where the step cannot be halved).
-    pub is_patient: bool,
-    /// Order of solution attempts, the last successful one first.
-    pub preferred: PreferredAttempt,
-    /// Returns true if the user interrupts the run.
-    pub interrupted: &'a dyn Fn() -> bool,
 }
 
 /// Growth of the increment limit after a limited increment that confirmed the linearization.
@@ -118,7 +78,10 @@ where
     let mut outcome = Err(Failure::Iterations);
     // The correction affects the discrete gradients of facet pairs only.
     let has_facets = system.pairs.iter().any(|pair| !pair.kind.is_of_points());
-    let usual = usual_order(D, has_facets && system.pairs.iter().any(|pair| pair.friction.is_some()));
+    let has_friction = system.pairs.iter().any(|pair| pair.friction.is_some());
+    let is_corrected =
+        task.start.derivative() == Derivative::DiscreteGradient && system.pairs.iter().any(|pair| pair.kind == PairKind::Surfaces);
+    let usual = usual_order(D, has_facets && has_friction);
     let attempts = task.preferred.order(usual).filter(|&index| has_facets || ATTEMPTS[index].1 == Correction::default());
     for (number, index) in attempts.enumerate() {
         let (one, before) = (ATTEMPTS[index], system.counters.factorizations);
@@ -126,7 +89,8 @@ where
             trace.earlier.push(std::mem::take(&mut trace.iterations));
         }
         system.equations.set_correction(one.1);
-        outcome = attempt(system, task, one, iterations, trace).map_err(|failure| failure.or_end(task.start.time));
+        let is_accelerated = is_corrected && !has_friction && one == (Strategy::InnerLoop, Correction::PerNode);
+        outcome = attempt(system, task, one.0, is_accelerated, iterations, trace).map_err(|failure| failure.or_end(task.start.time));
         system.equations.set_correction(Correction::default());
         system.is_far = false;
         match &mut outcome {
@@ -140,7 +104,7 @@ where
         let is_far = !task.is_patient && trace.iterations.last().is_some_and(|last| last.violation > 1.0);
         // Kinks of nodes or edges that coincide stop convergence although the active set stays; with one correction per node they cancel.
         let is_set_constant = trace.iterations.iter().rev().take(SOME_ITERATIONS).all(|one| one.changed.is_empty());
-        let may_be_kink = number == 0 && index != PER_NODE && is_set_constant;
+        let may_be_kink = (D == 3 || is_corrected) && number == 0 && index != PER_NODE && is_set_constant;
         if system.multipliers == 0 || is_inverted || is_far && !may_be_kink || matches!(outcome, Ok(_) | Err(Failure::Fatal(_))) {
             break;
         }
@@ -176,7 +140,8 @@ pub(super) struct Attempt<'a, const D: usize> {
     pub(super) is_damped: bool,
     /// Tangential compliance of overconstrained nodes relative to its first value; decreases while the active set stays.
     pub(super) compliance_ratio: f64,
-    /// Acceleration of iterations whose tangent omits derivatives: those of corrections shared by all pairs of a node.
+    /// Acceleration of iterations whose tangent omits derivatives: those of corrections shared by all pairs of a node. Not with friction,
+    /// whose equations change from iteration to iteration.
     anderson: Option<Anderson>,
 }
 
@@ -184,7 +149,8 @@ pub(super) struct Attempt<'a, const D: usize> {
 fn attempt<const D: usize>(
     system: &mut System<D>,
     task: &Task,
-    (strategy, correction): (Strategy, Correction),
+    strategy: Strategy,
+    is_accelerated: bool,
     iterations: &mut usize,
     trace: &mut Trace,
 ) -> Result<Solution, Failure>
@@ -195,7 +161,7 @@ where
     *trace = Trace { iterations: Vec::new(), u_1, earlier: std::mem::take(&mut trace.earlier) };
     let lambda: Vec<f64> =
         task.lambda.iter().zip(&task.conditions.members).map(|(&lambda, member)| if *member { lambda } else { 0.0 }).collect();
-    let mut attempt = Attempt::new(system, task, (strategy, correction));
+    let mut attempt = Attempt::new(system, task, strategy, is_accelerated);
     let mut convergence = Convergence::new(strategy.iterations(), task.is_patient, task.is_exact);
     let mut at = attempt.beginning(&lambda, iterations)?;
     for iteration in 0.. {
@@ -247,7 +213,7 @@ impl<'a, const D: usize> Attempt<'a, D>
 where
     Space<D>: Elements<D>,
 {
-    fn new(system: &'a mut System<D>, task: &'a Task<'a>, (strategy, correction): (Strategy, Correction)) -> Self {
+    fn new(system: &'a mut System<D>, task: &'a Task<'a>, strategy: Strategy, is_accelerated: bool) -> Self {
         let limit = match strategy {
             Strategy::InnerLoop => system.smallest_facet() * tolerances::STEP_LIMIT,
             Strategy::Backtracking => f64::INFINITY,
@@ -262,7 +228,7 @@ where
             is_dependent: false,
             is_damped: false,
             compliance_ratio: 1.0,
-            anderson: (correction == Correction::PerNode && strategy == Strategy::InnerLoop).then(Anderson::default),
+            anderson: is_accelerated.then(Anderson::default),
             system,
             task,
         }
