@@ -13,7 +13,7 @@ use super::multiplier_shapes::{DUAL, MultiplierFunctions, STANDARD, dual_around_
 use super::numbers::Number;
 use super::pair::{Invariants, Offsets, Overlap, PerNode, invariants, offsets, overlaps, pull_back, slip_weights, tangent_into};
 use super::pair_step::{
-    Differentiated, Functions, PairStart, Remainder, combined, covered_length, dot, is_doubtful, value, value_and_gradient,
+    Differentiated, Functions, PairStart, combined, covered_length, dot, is_doubtful, remainder, round_off, value, value_and_gradient,
 };
 use super::patches::Evaluation;
 use super::profile::PairProfiles;
@@ -146,10 +146,11 @@ impl Mortar {
     /// Correction of the discrete gradient shared by all pairs of secondary node `A`,
     /// `a_A = sum (Phi_1 - Phi_0 - grad Phi(pi_mid).d) / sum d.d`; 0 for increments near round-off.
     fn shared_corrections(&self, q_1: &[f64]) -> Vec<f64> {
-        /// Sums over the pairs of a node: remainder, squared increment of the invariants, squared invariants.
+        /// Sums over the pairs of a node: remainder and its round-off, squared increment of the invariants, squared invariants.
         #[derive(Clone, Copy, Default)]
         struct Sums {
-            remainder: Remainder,
+            remainder: f64,
+            round_off: f64,
             square: f64,
             size: f64,
         }
@@ -166,15 +167,17 @@ impl Mortar {
             let end_value = value(&start.shape, &Overlap::new(&end_pi, profiles));
             for k in 0..2 {
                 let sums = &mut sums[self.sides.patches.rows(p)[k] as usize];
-                let round_off = self.round_off * end_pi[0].sqrt();
-                sums.remainder.add(Remainder::of([start.value[k], end_value[k]], &middle_gradient[k], &d, round_off));
+                let of_invariants = self.round_off * end_pi[0].sqrt();
+                let values = [start.value[k], end_value[k]];
+                sums.remainder += remainder(values, &middle_gradient[k], &d);
+                sums.round_off += round_off(values, &middle_gradient[k], &d, of_invariants);
                 sums.square += dot(&d, &d);
                 sums.size += dot(&end_pi, &end_pi);
             }
         }
         let quotient = |of: &Sums| {
-            let is_round_off = of.square <= LEAST_SQUARE || is_doubtful(of.square, of.size) && of.remainder.is_round_off();
-            if is_round_off { 0.0 } else { of.remainder.value / of.square }
+            let is_round_off = is_doubtful(of.square, of.size) && of.remainder.abs() <= of.round_off;
+            if is_round_off || of.square <= LEAST_SQUARE { 0.0 } else { of.remainder / of.square }
         };
         sums.iter().map(quotient).collect()
     }

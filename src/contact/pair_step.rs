@@ -70,37 +70,19 @@ pub(super) fn weighted(f: &PerNode<Invariants>, weights: PerNode<f64>) -> Invari
     std::array::from_fn(|k| weights[0] * f[0][k] + weights[1] * f[1][k])
 }
 
-/// Remainder of a discrete gradient: change of a function in a step less the product of its gradient at mid-step with the increment.
-#[derive(Clone, Copy, Default)]
-pub(super) struct Remainder {
-    pub(super) value: f64,
-    /// Round-off of the value.
-    round_off: f64,
+/// Remainder of a discrete gradient: the change of a function from `start` to `end` less the product of its gradient at mid-step with the
+/// increment `d` of the invariants.
+#[inline(always)]
+pub(super) fn remainder([start, end]: [f64; 2], gradient: &Invariants, d: &Invariants) -> f64 {
+    end - start - dot(gradient, d)
 }
 
-impl Remainder {
-    /// Remainder of a function with the values at the start and at the end and the gradient at mid-step, for the increment `d` of
-    /// invariants with the given round-off.
-    #[inline(always)]
-    pub(super) fn of([start, end]: [f64; 2], gradient: &Invariants, d: &Invariants, round_off: f64) -> Remainder {
-        let sizes: f64 = gradient.iter().zip(d).map(|(g, d)| (g * d).abs()).sum();
-        let steepness: f64 = gradient.iter().map(|g| g.abs()).sum();
-        Remainder {
-            value: end - start - dot(gradient, d),
-            round_off: REMAINDER * (end.abs() + start.abs() + sizes) + round_off * steepness,
-        }
-    }
-
-    /// True if the value may be round-off.
-    pub(super) fn is_round_off(&self) -> bool {
-        self.value.abs() <= self.round_off
-    }
-
-    /// Adds the remainder of another function.
-    pub(super) fn add(&mut self, other: Remainder) {
-        self.value += other.value;
-        self.round_off += other.round_off;
-    }
+/// Round-off of [`remainder`], for invariants with the round-off `of_invariants`.
+#[inline(always)]
+pub(super) fn round_off([start, end]: [f64; 2], gradient: &Invariants, d: &Invariants, of_invariants: f64) -> f64 {
+    let sizes: f64 = gradient.iter().zip(d).map(|(g, d)| (g * d).abs()).sum();
+    let steepness: f64 = gradient.iter().map(|g| g.abs()).sum();
+    REMAINDER * (end.abs() + start.abs() + sizes) + of_invariants * steepness
 }
 
 /// True if the square of an increment of invariants is so small relative to the square of the invariants that the remainder of a discrete
@@ -158,10 +140,11 @@ impl Functions<'_> {
         let (d, weights, end_value, start) = (self.increment(), self.weights, self.end_value, self.start);
         let (middle_gradient, hessian) = derivatives(&start.shape, self.middle, weights);
         let square = dot(&d, &d);
-        let remainders = [0, 1].map(|k| Remainder::of([start.value[k], end_value[k]], &middle_gradient[k], &d, self.round_off));
-        let remainder = remainders.map(|one| one.value);
-        let is_doubtful = is_doubtful(square, dot(self.end_pi, self.end_pi));
-        let threshold = if is_doubtful && remainders.iter().all(Remainder::is_round_off) { f64::INFINITY } else { 0.0 };
+        let values = [0, 1].map(|k| [start.value[k], end_value[k]]);
+        let remainder = [0, 1].map(|k| remainder(values[k], &middle_gradient[k], &d));
+        let is_round_off = |k: usize| remainder[k].abs() <= round_off(values[k], &middle_gradient[k], &d, self.round_off);
+        let is_dropped = is_doubtful(square, dot(self.end_pi, self.end_pi)) && is_round_off(0) && is_round_off(1);
+        let threshold = if is_dropped { f64::INFINITY } else { 0.0 };
         let mut bar = middle_gradient;
         if square > threshold {
             for k in 0..2 {

@@ -95,13 +95,19 @@ pub(super) fn add_known(known: &[f64], solution: &mut [f64]) {
 impl<const D: usize> System<D> {
     /// Factorizes values of the matrix and solves in place; assembly time is counted from `clock`.
     pub fn solve_with(&mut self, values: &[f64], right: &mut [f64], clock: Instant) -> Result<(), Failure> {
-        self.counters.factorizations += 1;
-        self.matrix.solver.factorize(values).map_err(Failure::Linear)?;
-        self.counters.times.factorization += clock.elapsed();
+        self.factorize(values, clock)?;
         let clock = Instant::now();
         let outcome = self.matrix.solver.solve(values, right);
         self.counters.times.solve += clock.elapsed();
         outcome.map(drop).map_err(Failure::Linear)
+    }
+
+    /// Factorizes the given matrix values; `clock` is the start of the factorization.
+    pub fn factorize(&mut self, values: &[f64], clock: Instant) -> Result<(), Failure> {
+        self.counters.factorizations += 1;
+        self.matrix.solver.factorize(values).map_err(Failure::Linear)?;
+        self.counters.times.factorization += clock.elapsed();
+        Ok(())
     }
 }
 

@@ -33,7 +33,7 @@ pub(super) struct EndMatrix {
     pub(super) values: Vec<f64>,
     /// Values of mass and stiffness alone, unscaled; `None` without supports.
     free: Option<Vec<f64>>,
-    /// Held constraints with a compliance, and this.
+    /// Numbers of the held constraints that have a compliance, each with its compliance.
     compliances: Vec<(usize, f64)>,
 }
 
@@ -81,34 +81,28 @@ where
         right.iter_mut().zip(&self.supports.fixed).filter(|(_, fixed)| **fixed).for_each(|(f, _)| *f = 0.0);
         right.extend(given);
         self.counters.times.assembly += clock.elapsed();
-        self.solve_end(&matrix, &mut right)?;
+        self.factorize(&matrix.values, Instant::now())?;
+        let mut right = self.solve_factorized(&matrix, right)?;
         let mu = right.split_off(unknowns);
         let lambda: Vec<f64> = lambda.iter().zip(&mu).map(|(lambda, mu)| lambda + mu / scale).collect();
         Ok(self.response((evaluated, &at.q_1), &matrix, right, lambda, &[]))
     }
 
-    /// Factorizes the matrix and solves with a right side.
-    pub(super) fn solve_end(&mut self, matrix: &EndMatrix, right: &mut Vec<f64>) -> Result<(), Failure> {
-        let asked = right.clone();
-        self.solve_with(&matrix.values, right, Instant::now())?;
-        self.without_compliance(matrix, &asked, right)
-    }
-
-    /// Reduces the influence of compliances by repeated solutions, in which the multipliers of the last one replace them (proximal point
-    /// method).
-    pub(super) fn without_compliance(&mut self, matrix: &EndMatrix, asked: &[f64], solution: &mut Vec<f64>) -> Result<(), Failure> {
-        if matrix.compliances.is_empty() {
-            return Ok(());
-        }
-        let (clock, first) = (Instant::now(), asked.len() - self.multipliers);
-        for _ in 0..tolerances::RATE_REPETITIONS {
-            let mut next = asked.to_vec();
+    /// Solution by the factors of the matrix for a right side. Repeated solutions reduce the influence of compliances: in each, the term of
+    /// the last multipliers is added to the right side (proximal point method).
+    pub(super) fn solve_factorized(&mut self, matrix: &EndMatrix, right: Vec<f64>) -> Result<Vec<f64>, Failure> {
+        let (clock, first) = (Instant::now(), right.len() - self.multipliers);
+        let repetitions = if matrix.compliances.is_empty() { 0 } else { tolerances::RATE_REPETITIONS };
+        let mut solution = right.clone();
+        self.matrix.solver.solve(&matrix.values, &mut solution).map_err(Failure::Linear)?;
+        for _ in 0..repetitions {
+            let mut next = right.clone();
             matrix.compliances.iter().for_each(|&(row, compliance)| next[first + row] += compliance * solution[first + row]);
             self.matrix.solver.solve(&matrix.values, &mut next).map_err(Failure::Linear)?;
-            *solution = next;
+            solution = next;
         }
         self.counters.times.solve += clock.elapsed();
-        Ok(())
+        Ok(solution)
     }
 
     /// Matrix of velocity changes at the end of a step: masses, stiffness and the given constraints.

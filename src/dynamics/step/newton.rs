@@ -84,13 +84,13 @@ where
     let usual = usual_order(D, has_facets && has_friction);
     let attempts = task.preferred.order(usual).filter(|&index| has_facets || ATTEMPTS[index].1 == Correction::default());
     for (number, index) in attempts.enumerate() {
-        let (one, before) = (ATTEMPTS[index], system.counters.factorizations);
+        let ((strategy, correction), before) = (ATTEMPTS[index], system.counters.factorizations);
         if number > 0 {
             trace.earlier.push(std::mem::take(&mut trace.iterations));
         }
-        system.equations.set_correction(one.1);
-        let is_accelerated = is_corrected && !has_friction && one == (Strategy::InnerLoop, Correction::PerNode);
-        outcome = attempt(system, task, one.0, is_accelerated, iterations, trace).map_err(|failure| failure.or_end(task.start.time));
+        system.equations.set_correction(correction);
+        let is_accelerated = is_corrected && !has_friction && index == PER_NODE;
+        outcome = attempt(system, task, strategy, is_accelerated, iterations, trace).map_err(|failure| failure.or_end(task.start.time));
         system.equations.set_correction(Correction::default());
         system.is_far = false;
         match &mut outcome {

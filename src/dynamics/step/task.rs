@@ -1,4 +1,4 @@
-//! What Newton's method solves in a step, and the record of its iterations.
+//! Data of Newton's method in one step: initial values and termination criteria, and the record of the iterations.
 
 use super::attempts::PreferredAttempt;
 use super::conditions::Conditions;
@@ -22,6 +22,7 @@ pub struct Task<'a> {
     pub start: &'a StepStart<'a>,
     /// Initial positions.
     pub predicted: &'a [f64],
+    /// Displacements in the step to the initial positions.
     pub moved: &'a [f64],
     /// Initial multipliers.
     pub lambda: &'a [f64],

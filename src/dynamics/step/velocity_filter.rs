@@ -59,15 +59,13 @@ where
             lost[pair.rows.clone()].fill(0.0);
         }
         let against: Vec<f64> = self.image(&stiffness, v).iter().map(|force| -force).collect();
-        let mut first = self.right_side(&against, scale, &lost);
+        let first = self.right_side(&against, scale, &lost);
         self.counters.times.assembly += clock.elapsed();
-        self.solve_end(&matrix, &mut first)?;
+        self.factorize(&matrix.values, Instant::now())?;
+        let first = self.solve_factorized(&matrix, first)?;
         let force = self.image(&stiffness, &first[..unknowns]);
-        let (clock, asked) = (Instant::now(), self.right_side(&force, scale, &lost));
-        let mut second = asked.clone();
-        self.matrix.solver.solve(&matrix.values, &mut second).map_err(Failure::Linear)?;
-        self.counters.times.solve += clock.elapsed();
-        self.without_compliance(&matrix, &asked, &mut second)?;
+        let second = self.right_side(&force, scale, &lost);
+        let mut second = self.solve_factorized(&matrix, second)?;
         let lambda: Vec<f64> = second.split_off(unknowns).iter().map(|p| p / scale).collect();
         let mut response = self.response((evaluated, &at.q_1), &matrix, second, lambda, &force);
         self.add_driven(at, &rates, &mut response);
