@@ -40,6 +40,13 @@ impl RigidBody {
         self.followers.iter().map(|&index| self.dependents[index].0 as usize)
     }
 
+    /// Nodes with unknowns: masters, then dependent nodes that are not followers.
+    pub fn unknown_nodes(&self) -> impl Iterator<Item = u32> {
+        let is_follower = |index: &usize| self.followers.binary_search(index).is_ok();
+        let tied = (0..self.dependents.len()).filter(move |index| !is_follower(index)).map(|index| self.dependents[index].0);
+        self.masters.iter().copied().chain(tied)
+    }
+
     /// Transfers the forces on followers to the masters: forces with the same work in every motion of the body.
     pub fn hand_over<const D: usize>(&self, forces: &mut [f64]) {
         for &index in &self.followers {

@@ -2,10 +2,15 @@
 //!
 //! Their unknowns stay in the numbering; rows and columns of the matrix are replaced by the identity.
 
+use nalgebra::{DMatrix, DVector, Vector3, Vector6};
+
+use super::body::Body;
 use crate::dynamics::model::definitions::Model;
 use crate::dynamics::model::interactions::BodyBoundary;
 use crate::dynamics::model::prescription::{PrescribedMotion, Prescription};
 use crate::dynamics::model::step_error::StepError;
+use crate::math::norms::largest_extent;
+use crate::math::tolerances;
 
 /// A displacement component that follows a time function.
 pub struct PrescribedUnknown {
@@ -41,42 +46,72 @@ impl Supports {
         self.fixed[node as usize * D..][..D].iter().filter(|fixed| !**fixed).count()
     }
 
-    /// Supports of a model with `unknowns` components; `global` maps body and node to the node number in the model.
-    pub fn new<const D: usize>(model: &Model, unknowns: usize, global: impl Fn(usize, u32) -> u32) -> Self {
-        let mut fixed = vec![false; unknowns];
+    /// Supports of a model with `unknowns` components.
+    ///
+    /// A component of a rigid body's motion that a prescribed motion of some nodes determines, such as the rotation of an edge, is
+    /// prescribed at all its nodes: only prescribed nodes have the velocity of the time function, which differs from that of the time
+    /// integrator by an error of second order in the step. Where supports determine a component, but not in the linearized motion
+    /// ([`spans`]), it is fixed at all nodes.
+    pub fn new<const D: usize>(model: &Model, bodies: &[Body<D>], unknowns: usize) -> Self {
         let names = model.support_names();
         let number = |on: &BodyBoundary| names.iter().position(|name| *name == model.boundary_name(on));
-        let mut owner = vec![None; unknowns];
+        let nodes = |on: &BodyBoundary| model.bodies[on.body].mesh.boundary_nodes(&on.boundary);
+        let global = |on: &BodyBoundary, node: u32, i: usize| (bodies[on.body].nodes.start + node as usize) * D + i;
+        let (mut fixed, mut owner) = (vec![false; unknowns], vec![None; unknowns]);
         for support in &model.supports {
-            for node in model.bodies[support.on.body].mesh.boundary_nodes(&support.on.boundary) {
-                for i in (0..D).filter(|&i| support.components[i]) {
-                    let unknown = global(support.on.body, node) as usize * D + i;
+            for node in nodes(&support.on) {
+                for unknown in (0..D).filter(|&i| support.components[i]).map(|i| global(&support.on, node, i)) {
                     fixed[unknown] = true;
                     owner[unknown] = owner[unknown].or(number(&support.on));
+                }
+            }
+        }
+        for (body, rigid) in bodies.iter().filter_map(|body| Some((body, body.rigid.as_ref()?))) {
+            let (places, first) = (model.start(body.number), body.nodes.start);
+            for i in 0..D {
+                let own: Vec<u32> = (0..places.len() as u32).filter(|&node| fixed[(first + node as usize) * D + i]).collect();
+                if spans(&places, &own, i) {
+                    let owned = owner[(first + own[0] as usize) * D + i];
+                    for unknown in rigid.unknown_nodes().map(|node| node as usize * D + i) {
+                        fixed[unknown] = true;
+                        owner[unknown] = owner[unknown].or(owned);
+                    }
                 }
             }
         }
         let (mut prescribed, mut motions) = (Vec::new(), Vec::new());
         let mut turning = vec![None; names.len()];
         for prescription in &model.prescriptions {
-            let (mesh, places) = (&model.bodies[prescription.on.body].mesh, model.start(prescription.on.body));
-            let is_displaced = model.initial_displacements.iter().any(|initial| initial.body == prescription.on.body);
-            for component in (0..D).filter(|&component| prescription.moves(component)) {
-                for node in mesh.boundary_nodes(&prescription.on.boundary) {
-                    let unknown = global(prescription.on.body, node) as usize * D + component;
-                    fixed[unknown] = true;
-                    owner[unknown] = number(&prescription.on);
-                    // A later prescription of the same component replaces an earlier one.
-                    prescribed.retain(|other: &PrescribedUnknown| other.unknown != unknown);
-                    let place = places[node as usize];
-                    let start = is_displaced.then(|| place[component] - mesh.points[node as usize][component]);
-                    prescribed.push(PrescribedUnknown { unknown, motion: motions.len(), place, component, start });
+            let on = &prescription.on;
+            let (points, places) = (&model.bodies[on.body].mesh.points, model.start(on.body));
+            let is_displaced = model.initial_displacements.iter().any(|initial| initial.body == on.body);
+            let mut prescribe = |node: u32, component: usize, may_replace: bool| {
+                let unknown = global(on, node, component);
+                if fixed[unknown] && !may_replace {
+                    return;
                 }
+                fixed[unknown] = true;
+                owner[unknown] = number(on);
+                // A later prescription of the same component replaces an earlier one.
+                prescribed.retain(|other: &PrescribedUnknown| other.unknown != unknown);
+                let place = places[node as usize];
+                let start = is_displaced.then(|| place[component] - points[node as usize][component]);
+                prescribed.push(PrescribedUnknown { unknown, motion: motions.len(), place, component, start });
+            };
+            let own = nodes(on);
+            for component in (0..D).filter(|&component| prescription.moves(component)) {
+                own.iter().for_each(|&node| prescribe(node, component, true));
             }
-            if let (Some(number), Some(_)) = (number(&prescription.on), &prescription.turn) {
+            if let Some(rigid) = &bodies[on.body].rigid {
+                let first = bodies[on.body].nodes.start as u32;
+                let others: Vec<u32> = rigid.unknown_nodes().map(|node| node - first).filter(|node| !own.contains(node)).collect();
+                let determined = determined_components::<D>(model, prescription, &places, &others);
+                determined.into_iter().for_each(|component| others.iter().for_each(|&node| prescribe(node, component, false)));
+            }
+            if let (Some(number), Some(_)) = (number(on), &prescription.turn) {
                 turning[number] = Some(motions.len());
             }
-            motions.push((prescription.clone(), model.boundary_name(&prescription.on)));
+            motions.push((prescription.clone(), model.boundary_name(on)));
         }
         let mut held = vec![Vec::new(); names.len()];
         owner.iter().enumerate().for_each(|(unknown, owner)| owner.iter().for_each(|&number: &usize| held[number].push(unknown)));
@@ -139,4 +174,64 @@ impl Supports {
     pub fn turn(&self) -> bool {
         self.motions.iter().any(|(motion, _)| motion.turn.is_some())
     }
+}
+
+/// Components of the displacements of a rigid body's `others` that a prescribed motion of its nodes at `places` determines: those that
+/// are zero in each rigid motion in which the prescribed components are zero. Supports count, too, in directions in which a prescribed
+/// displacement leaves them at rest.
+fn determined_components<const D: usize>(model: &Model, prescription: &Prescription, places: &[[f64; 3]], others: &[u32]) -> Vec<usize> {
+    let nodes = |on: &BodyBoundary| model.bodies[on.body].mesh.boundary_nodes(&on.boundary);
+    let (center, size, own) = (places[0], largest_extent(places.iter()), nodes(&prescription.on));
+    let row = |node: u32, component: usize| displacement_by_rigid_motions(places[node as usize], center, size, component);
+    let mut held = DMatrix::zeros(6, 6);
+    let mut hold = |row: Vector6<f64>| held += row * row.transpose();
+    let moved = |component: &usize| prescription.moves(*component);
+    for component in (0..D).filter(moved) {
+        own.iter().for_each(|&node| hold(row(node, component)));
+        if prescription.turn.is_none() && spans(places, &own, component) {
+            // No rotation changes the component.
+            (0..3).filter(|&axis| axis != component).for_each(|axis| hold(Vector6::ith(3 + axis, 1.0)));
+        }
+    }
+    for support in model.supports.iter().filter(|support| support.on.body == prescription.on.body) {
+        for component in (0..D).filter(|component| support.components[*component] && !moved(component)) {
+            nodes(&support.on).into_iter().for_each(|node| hold(row(node, component)));
+        }
+    }
+    let free = null_vectors(held);
+    let is_held = |component: usize| others.iter().all(|&node| free.iter().all(|free| is_absent(row(node, component).dot(free))));
+    (0..D).filter(moved).filter(|&component| is_held(component)).collect()
+}
+
+/// True if distances between these nodes determine a component: the direction of the component lies in the line or the plane that they
+/// span. Equal displacements by this component then keep the direction of the component in the body, although the linearized constraints
+/// admit a rotation: the horizontal component of a horizontal edge.
+fn spans(places: &[[f64; 3]], nodes: &[u32], component: usize) -> bool {
+    let Some(&first) = nodes.first() else { return false };
+    let center = Vector3::from(places[first as usize]);
+    let mut spread = DMatrix::zeros(3, 3);
+    for arm in nodes.iter().map(|&node| Vector3::from(places[node as usize]) - center) {
+        spread += arm * arm.transpose();
+    }
+    null_vectors(spread).iter().all(|across| is_absent(across[component]))
+}
+
+/// Orthonormal vectors that a symmetric positive semidefinite matrix maps to zero, up to round-off.
+fn null_vectors(matrix: DMatrix<f64>) -> Vec<DVector<f64>> {
+    let (limit, eigen) = (tolerances::HELD * matrix.trace(), matrix.symmetric_eigen());
+    eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()).filter(|(value, _)| **value <= limit).map(|(_, v)| v.into()).collect()
+}
+
+/// True for a component of a unit vector that is zero as far as [`null_vectors`] can tell.
+fn is_absent(component: f64) -> bool {
+    component * component <= tolerances::HELD
+}
+
+/// Displacement of a component of a point by each rigid motion: three translations, then three rotations about `center` times `size`.
+fn displacement_by_rigid_motions(point: [f64; 3], center: [f64; 3], size: f64, component: usize) -> Vector6<f64> {
+    let arm: [f64; 3] = std::array::from_fn(|i| (point[i] - center[i]) / size);
+    let (next, last) = ((component + 1) % 3, (component + 2) % 3);
+    let mut row = Vector6::zeros();
+    (row[component], row[3 + next], row[3 + last]) = (1.0, arm[last], -arm[next]);
+    row
 }

@@ -49,7 +49,8 @@ where
         };
         let (cause, remedy) = (report.explanation(), report.remedy(ease));
         // Round-off can make a singular system regular, with solutions that grow without bound.
-        let is_singular = matches!(report.cause, FailureCause::SingularSystem { .. } | FailureCause::Divergence);
+        let is_singular =
+            matches!(report.cause, FailureCause::SingularSystem { .. } | FailureCause::Divergence | FailureCause::SlowConvergence);
         let is_cycling = matches!(report.cause, FailureCause::CyclingContact { .. });
         self.failure = Some((report, self.trace.u_1.clone()));
         if is_singular && let Some(stop) = self.system.determined_stop(&self.state.positions, AT_STOP) {

@@ -82,13 +82,13 @@ where
         let (mut bodies, reference) = bodies_of(model, integrator)?;
         let firsts: Vec<usize> = bodies.iter().map(|body| body.nodes.start).collect();
         let first = |body: usize| firsts[body];
-        let mut supports = Supports::new::<D>(model, reference.len(), |body, node| node + first(body) as u32);
         let mut loads = loads_of(model, &bodies);
         let numbering = Numbering { dimension: D, first: &firsts, reference: &reference };
         let mut others: Vec<Box<dyn Part>> = model.parts.iter().map(|part| part.part(&numbering)).collect();
         let damped = deformable(model).filter(|_| !integrator.dissipation.is_none());
         let dampings = damped.filter_map(|(index, body)| StepDamping::new(body, first(index))).collect();
         let followers = part_followers(model, &mut bodies, first, &reference, &others);
+        let mut supports = Supports::new(model, &bodies, reference.len());
         followers.iter().for_each(|&node| supports.fixed[node as usize * D..][..D].fill(true));
         let middles = middles(model, first);
         let start = model.start_positions();
