@@ -29,6 +29,9 @@ const OPEN: f64 = 0.5;
 /// Overlap up to which a pair takes part, as a fraction of the secondary facet or of the total thickness of both bodies.
 const DEEP: f64 = 0.5;
 
+/// Sliding by deformation in a step at rest, in secondary facets, up to which a pair takes part.
+const SLIDING: f64 = 0.25;
+
 /// Distance between boxes beyond the shortest secondary facet up to which a pair takes part, in units of the motion bound: normal approach
 /// plus equal sliding.
 const DIAGONAL: f64 = 1.5;
@@ -236,7 +239,12 @@ impl Window {
         if !self.is_within(pair, sides, predicted_motion.q, self.facet_size + DIAGONAL * motion_bound + self.depth) {
             return false;
         }
+        // At rest the motion bound does not contain the sliding by deformation. If a node passes another and the pair beyond is left out,
+        // forces jump.
+        let at_rest = matches!(predicted_motion.motion_bound, MotionBound::Each { .. });
+        let sliding = motion_bound.max(SLIDING * self.lengths[0][pair[0] as usize]);
         let gaps = self.gaps(pair, sides, predicted_motion.q, motion_bound);
+        let gaps = gaps.or_else(|| at_rest.then(|| self.gaps(pair, sides, predicted_motion.q, sliding)).flatten());
         gaps.is_some_and(|gaps| gaps.least <= OPEN * self.facet_size + motion_bound && gaps.largest > -gaps.deep)
     }
 

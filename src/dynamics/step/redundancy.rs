@@ -6,9 +6,11 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::constraint_rows::ConstraintRows;
 use super::equations::Equations;
 use crate::contact::Evaluation;
 use crate::dynamics::parts::contact_pair::{ContactPair, PairKind};
+use crate::dynamics::parts::laws::Equation;
 use crate::integrators::Derivative;
 use crate::math::tolerances::{DEPENDENT, NEGLIGIBLE_ENTRY, ZERO_ROW};
 
@@ -72,6 +74,28 @@ impl<const D: usize> Equations<D> {
             }
         }
         holds
+    }
+
+    /// Opens each constraint without compliance (`diagonal`) that depends on earlier ones and on supports, such as friction that sticks in the joint of
+    /// a taut cable. The constraints of contacts between deformable bodies are independent.
+    pub fn open_dependent_rows(&self, [pairs, slips]: [&[Evaluation]; 2], rows: &mut ConstraintRows) {
+        let is_held = |row: usize| rows.0[row].acts && rows.0[row].diagonal == 0.0;
+        let may_depend = self.pairs.iter().any(|pair| pair.kind.is_of_points() || pair.friction.is_some());
+        if !may_depend {
+            return;
+        }
+        let mut gradients: BTreeMap<usize, Row> = BTreeMap::new();
+        self.for_each_end_gradient([pairs, slips], |_, row, unknown, entry| {
+            if is_held(row) {
+                *gradients.entry(row).or_default().entry(unknown).or_insert(0.0) += entry;
+            }
+        });
+        let mut elimination = Elimination::new(&self.supports.fixed);
+        for (row, gradient) in gradients {
+            if elimination.take(gradient).is_none() {
+                rows.0[row] = Equation::OPEN;
+            }
+        }
     }
 
     /// Stop or cable whose gap at the positions `q` is at most `near` of its size, and whose coordinate constraints and supports determine.

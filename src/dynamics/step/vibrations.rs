@@ -209,7 +209,7 @@ where
         off / largest.max(f64::MIN_POSITIVE)
     }
 
-    /// Equations of the constraints: ties and active constraints hold, penalties are compliant.
+    /// Equations of the constraints: ties and active constraints hold, unless they depend on others; penalties are compliant.
     fn rows(&self, at: &Linearization) -> ConstraintRows {
         let (system, active) = (&*self.system, self.rest.active);
         let mut rows = ConstraintRows::open(system.multipliers);
@@ -234,6 +234,7 @@ where
                 rows.0[row] = Equation::held(0.0, 0.0);
             }
         }
+        system.open_dependent_rows([&at.pairs, &at.slips], &mut rows);
         rows
     }
 
