@@ -73,12 +73,13 @@ where
         let evaluated = [&solution.at.pairs[..], &slips[..]];
         let rates = self.system.rates(evaluated, &solution.at.q_1, &v);
         let Some(touches) = self.touches(motion, solution, conditions, &rates) else { return Ok(jump) };
-        let contacts = self.impact_contacts(motion, solution, &touches, &rates);
+        let contacts = self.impact_contacts(&touches);
         let rows: Vec<usize> = touches.iter().flat_map(|touch| self.rows_of(touch)).collect();
         let solved = self.solved(solution, evaluated, &rows, &rates);
         let (responses, [response, powers]) = solved.map_err(|failure| failure.or_end(self.state.row.time))?;
-        let law = ImpactLaw { contacts, response };
+        let mut law = ImpactLaw { contacts, response };
         let before: Vec<f64> = rows.iter().zip(&powers).map(|(&row, power)| rates[row] + power).collect();
+        self.set_friction(motion, solution, &touches, &before, &mut law);
         let outcome = self.outcome(motion, solution, conditions, &law, &touches, &rows, before);
         let push = self.system.response_to(&solution.at, evaluated, &responses, &rows, &outcome.impulses, &rates);
         let push = self.checked(motion, solution, push, tolerances::PUSH * outcome.exchanged)?;
@@ -137,28 +138,39 @@ where
         friction.map_or(0..0, |friction| friction.group(row - pair.rows.start))
     }
 
-    /// Contacts of an impact, with the friction coefficients at their slip speeds and pressures.
-    fn impact_contacts(&self, motion: &Motion, solution: &Solution, touches: &[ImpactConstraint], rates: &[f64]) -> Vec<ImpactContact> {
+    /// Contacts of an impact, without friction.
+    fn impact_contacts(&self, touches: &[ImpactConstraint]) -> Vec<ImpactContact> {
         let mut first = 0;
         let made = touches.iter().map(|touch| {
             let pair = &self.system.pairs[touch.pair];
-            let (local, slips) = (touch.row - pair.rows.start, self.slips_of(pair, touch.row));
-            let (weight, tangents) = (pair.kernel.weights()[local], slips.len());
-            let mut contact = ImpactContact { first, tangents, friction: 0.0, restitution: pair.restitution.unwrap_or(0.0), weight };
+            let (weight, tangents) = (pair.kernel.weights()[touch.row - pair.rows.start], self.slips_of(pair, touch.row).len());
+            let restitution = pair.restitution.unwrap_or(0.0);
+            let contact = ImpactContact { first, tangents, friction: 0.0, restitution, weight };
             first += 1 + tangents;
-            if let Some(friction) = pair.friction.as_ref().filter(|_| tangents > 0) {
-                let around = pair.node_of(touch.row).map_or(1.0, |node| pair.circumference(node, &solution.at.q_1));
-                let covered = (weight * solution.at.pairs[touch.pair].coverage[local]).max(f64::MIN_POSITIVE);
-                let slip = slips.map(|row| rates[row].powi(2)).sum::<f64>().sqrt() / covered;
-                // Pressure of an impact that lasts a step.
-                let pressure = rates[touch.row].abs().max(f64::MIN_POSITIVE) * self.system.nodes.largest_nodal_mass
-                    / (motion.dt * covered.powi(2) * around);
-                let at = SlipState { coefficient: friction.coefficients[local], pressure, speed: slip };
-                contact.friction = friction.law.limit(at).shear / pressure;
-            }
             contact
         });
         made.collect()
+    }
+
+    /// Sets the friction coefficients of an impact at the slip speeds before it, and at the pressures of the same impact without friction
+    /// that lasts a step; `before` are the rates of the constraints of `law`.
+    fn set_friction(&self, motion: &Motion, solution: &Solution, touches: &[ImpactConstraint], before: &[f64], law: &mut ImpactLaw) {
+        if law.contacts.iter().all(|contact| contact.tangents == 0) {
+            return;
+        }
+        let mut smooth = law.before(before.to_vec());
+        law.compress(&mut smooth, |_| true);
+        for (touch, contact) in touches.iter().zip(&mut law.contacts) {
+            let pair = &self.system.pairs[touch.pair];
+            let Some(friction) = pair.friction.as_ref().filter(|_| contact.tangents > 0) else { continue };
+            let local = touch.row - pair.rows.start;
+            let around = pair.node_of(touch.row).map_or(1.0, |node| pair.circumference(node, &solution.at.q_1));
+            let covered = (contact.weight * solution.at.pairs[touch.pair].coverage[local]).max(f64::MIN_POSITIVE);
+            let speed = before[contact.slips()].iter().map(|rate| rate.powi(2)).sum::<f64>().sqrt() / covered;
+            let pressure = (smooth.impulses[contact.first] / (motion.dt * around)).max(f64::MIN_POSITIVE);
+            let at = SlipState { coefficient: friction.coefficients[local], pressure, speed };
+            contact.friction = friction.law.limit(at).shear / pressure;
+        }
     }
 
     /// Factorized masses, responses of the constraints, and power of the bilateral constraints at the rates `ending`.

@@ -72,6 +72,9 @@ pub struct ImpactSolution {
     pub normal_work: f64,
     /// Work of friction of each contact `[energy]`, never positive.
     pub friction: Vec<f64>,
+    /// Contacts in the order of their solution, the fastest approach first: impulses of linearly dependent contacts depend on it, and must
+    /// not depend on the numbers of nodes.
+    order: Vec<usize>,
 }
 
 /// Condition of a normal constraint in a part of an impact.
@@ -84,7 +87,7 @@ struct Part {
 
 impl ImpactContact {
     /// Tangential constraints.
-    fn slips(&self) -> std::ops::Range<usize> {
+    pub fn slips(&self) -> std::ops::Range<usize> {
         self.first + 1..self.first + 1 + self.tangents
     }
 }
@@ -100,7 +103,9 @@ impl ImpactLaw {
 
     /// State of an impact before its compression, with the given rates.
     pub fn before(&self, rates: Vec<f64>) -> ImpactSolution {
-        ImpactSolution { impulses: vec![0.0; rates.len()], friction: vec![0.0; self.contacts.len()], normal_work: 0.0, rates }
+        let mut order: Vec<usize> = (0..self.contacts.len()).collect();
+        order.sort_by(|&a, &b| rates[self.contacts[a].first].total_cmp(&rates[self.contacts[b].first]));
+        ImpactSolution { impulses: vec![0.0; rates.len()], friction: vec![0.0; self.contacts.len()], normal_work: 0.0, rates, order }
     }
 
     /// Adds the change `W p` by the impulses `p` to the rates.
@@ -137,7 +142,7 @@ impl ImpactLaw {
             let end = if done + length > 1.0 - 0.5 * shortest { 1.0 } else { done + length };
             let conditions = part(end, end - done);
             let mut rates = course.rates.clone();
-            let impulses = self.solve(&conditions, &mut rates, &guess);
+            let impulses = self.solve(&conditions, &mut rates, &guess, &course.order);
             if length > SHORT && self.turns(&course.rates, &rates, &impulses) {
                 length *= 0.5;
                 guess.iter_mut().zip(&impulses).for_each(|(guess, p)| *guess = 0.5 * p);
@@ -204,7 +209,7 @@ impl ImpactLaw {
     }
 
     /// Impulses of a part of an impact; `rates` are updated from its start to its end.
-    fn solve(&self, part: &Part, rates: &mut [f64], guess: &[f64]) -> Vec<f64> {
+    fn solve(&self, part: &Part, rates: &mut [f64], guess: &[f64], order: &[usize]) -> Vec<f64> {
         let count = self.rows();
         let mut impulses = self.first_guess(part, rates, guess);
         let before = rates.to_vec();
@@ -213,7 +218,7 @@ impl ImpactLaw {
         let mut earlier = f64::INFINITY;
         for sweep in 0..(PRODUCTS / (count * count).max(1)).clamp(SWEEPS[0], SWEEPS[1]) {
             let (mut largest, mut size) = (0.0f64, 0.0f64);
-            for (c, contact) in self.contacts.iter().enumerate() {
+            for (c, contact) in order.iter().map(|&c| (c, &self.contacts[c])) {
                 let rows = 1 + contact.tangents;
                 let own = |i: usize, j: usize| self.response[(contact.first + i) * count + contact.first + j];
                 if own(0, 0) <= 0.0 || part.targets[c] == f64::NEG_INFINITY {
