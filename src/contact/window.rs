@@ -60,6 +60,8 @@ pub enum MotionBound<'a> {
         sizes: &'a [f64],
         /// Additional relative motion of any two nodes, to be added to the bounds of both `[length]`.
         besides: f64,
+        /// True if the search for equilibrium goes on: nodes keep their facets while they are opposite them.
+        is_continued: bool,
     },
     /// Two predicted displacement fields; the bound is the larger of both relative motions times a safety factor.
     Guessed {
@@ -84,7 +86,7 @@ impl MappedMotion<'_> {
         let [a, b] = &self.displacements;
         let motion_bound = match self.of_nodes.motion_bound {
             MotionBound::UpTo(motion_bound) => MotionBound::UpTo(motion_bound),
-            MotionBound::Each { besides, .. } => MotionBound::Each { sizes: &self.sizes, besides },
+            MotionBound::Each { besides, is_continued, .. } => MotionBound::Each { sizes: &self.sizes, besides, is_continued },
             MotionBound::Guessed { factor, .. } => MotionBound::Guessed { displacements: [a, b], factor },
         };
         PredictedMotion { q: &self.q, motion_bound, ..self.of_nodes }
@@ -92,6 +94,11 @@ impl MappedMotion<'_> {
 }
 
 impl<'a> PredictedMotion<'a> {
+    /// True if a search for equilibrium goes on.
+    pub(super) fn is_continued(&self) -> bool {
+        matches!(self.motion_bound, MotionBound::Each { is_continued: true, .. })
+    }
+
     /// Step from `q` in which nodes move relative to each other by at most `motion_bound` `[length]`.
     pub fn within(q: &'a [f64], motion_bound: f64) -> Self {
         PredictedMotion { q, motion_bound: MotionBound::UpTo(motion_bound), reach: 1.0, depth: 0.0 }
@@ -129,7 +136,7 @@ impl<'a> PredictedMotion<'a> {
     pub(super) fn margin(&self, sides: &Sides) -> f64 {
         let motion_bound = match self.motion_bound {
             MotionBound::UpTo(motion_bound) => motion_bound,
-            MotionBound::Each { sizes, besides } => {
+            MotionBound::Each { sizes, besides, .. } => {
                 largest(sizes, sides.secondary.nodes()) + largest(sizes, sides.primary.nodes()) + besides
             }
             MotionBound::Guessed { displacements, factor } => {
@@ -155,7 +162,7 @@ impl<'a> PredictedMotion<'a> {
     pub(super) fn motion_bound<const D: usize>(&self, own: &[u32], other: &[u32]) -> f64 {
         match self.motion_bound {
             MotionBound::UpTo(motion_bound) => motion_bound,
-            MotionBound::Each { sizes, besides } => largest(sizes, own) + largest(sizes, other) + besides,
+            MotionBound::Each { sizes, besides, .. } => largest(sizes, own) + largest(sizes, other) + besides,
             MotionBound::Guessed { displacements, factor } => {
                 let mut largest = 0.0f64;
                 for u in displacements {

@@ -7,6 +7,8 @@
 //! dropped for a shallower one nearby that separates the bodies in another direction (`found.rs`). Each feature has a few slots, filled in
 //! the order of the opposite facets and edges. Weights are the square of the smallest facet.
 
+use std::collections::BTreeSet;
+
 use super::features::{self, Features};
 use super::found::{ALIKE, Found};
 use super::gaps::{Measure, UNKNOWNS};
@@ -46,7 +48,7 @@ const CONE: f64 = 0.1;
 const STRICT: f64 = 0.01;
 
 /// Pair of features of a contact element.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Kind {
     /// Vertex of `side` (0: secondary) and facet of the other side.
     Vertex { side: usize, vertex: usize, facet: usize },
@@ -69,6 +71,8 @@ pub struct CornersInSpace {
     pub(super) kinds: Vec<Kind>,
     /// Constraint slot of each contact element and its gap function in this step; `None` without a constraint.
     pub(super) rows: Vec<Option<(usize, Measure)>>,
+    /// Nodes and facets of the last selection of constraints (node-to-segment method).
+    pub(super) last: BTreeSet<Kind>,
     start: Vec<Vec<f64>>,
     /// True if another kernel constrains the vertices of the secondary side.
     pub(super) has_nodal_rows: bool,
@@ -132,6 +136,7 @@ impl CornersInSpace {
             row_nodes,
             kinds: Vec::new(),
             rows: Vec::new(),
+            last: BTreeSet::new(),
             start: Vec::new(),
             has_nodal_rows: false,
             radius: 0.0,
@@ -217,7 +222,7 @@ impl CornersInSpace {
         let mut chosen: Vec<Option<Found>> = vec![None; self.kinds.len()];
         for q in configurations {
             let found: Vec<Found> = (0..self.kinds.len()).filter_map(|patch| self.find(patch, q, predicted_motion)).collect();
-            let found = if self.slots > SLOTS { found } else { self.nearest_facets(found) };
+            let found = if self.slots > SLOTS { found } else { self.nearest_facets(self.kept_facets(found, predicted_motion)) };
             let is_elsewhere = |row: &Found| self.has_nodal_rows && matches!(self.kinds[row.patch], Kind::Vertex { side: 0, .. });
             let settled = self.settled(&chosen);
             let is_settled = |row: &Found| settled.get(self.owner(row.patch)).is_some_and(|settled| *settled);
@@ -241,6 +246,7 @@ impl CornersInSpace {
                 chosen_rows[row.patch] = Some((slot, row.measure));
             }
         }
+        self.last = self.nodal_kinds(&chosen_rows);
         self.rows = chosen_rows;
     }
 

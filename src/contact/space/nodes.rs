@@ -6,7 +6,9 @@
 //! node is assigned to the next facet in the next step. Facets with normals like the surface at the node (far side of a thin body) are not
 //! opposite.
 
-use super::corners::CornersInSpace;
+use std::collections::BTreeSet;
+
+use super::corners::{CornersInSpace, Kind};
 use super::features::{Features, Vertex};
 use super::found::Found;
 use super::gaps::Measure;
@@ -44,6 +46,23 @@ impl CornersInSpace {
         let mut settled = vec![false; if self.of_nodes.is_some() { self.owners.count() } else { 0 }];
         chosen.iter().flatten().filter(|_| self.of_nodes.is_some()).for_each(|row| settled[self.owner(row.patch)] = true);
         settled
+    }
+
+    /// In a search for equilibrium that goes on, keeps for each node only the facet of its last constraint, if that is opposite. At the
+    /// border of two facets round-off would decide, anew in each step.
+    pub(super) fn kept_facets(&self, mut found: Vec<Found>, predicted_motion: &PredictedMotion) -> Vec<Found> {
+        if self.of_nodes.is_some() && predicted_motion.is_continued() {
+            let last = |row: &Found| self.last.contains(&self.kinds[row.patch]);
+            let keeps: BTreeSet<usize> = found.iter().filter(|row| last(row)).map(|row| self.owner(row.patch)).collect();
+            found.retain(|row| last(row) || !keeps.contains(&self.owner(row.patch)));
+        }
+        found
+    }
+
+    /// Nodes and facets with constraints; empty if only sharp features have constraints.
+    pub(super) fn nodal_kinds(&self, rows: &[Option<(usize, Measure)>]) -> BTreeSet<Kind> {
+        let rows = if self.of_nodes.is_some() { rows } else { &[] };
+        self.kinds.iter().zip(rows).filter(|(_, row)| row.is_some()).map(|(kind, _)| *kind).collect()
     }
 
     /// Gap function of a node against the triangle below it, and the gap; `None` if only sharp features have constraints.

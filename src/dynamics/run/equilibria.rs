@@ -70,7 +70,7 @@ where
     fn balanced(&mut self) -> Result<Balanced, Failure> {
         let state = self.state.clone();
         let still = vec![0.0; self.system.nodes.count()];
-        let motion_bound = MotionBound::Each { sizes: &still, besides: 0.0 };
+        let motion_bound = MotionBound::Each { sizes: &still, besides: 0.0, is_continued: false };
         let predicted_motion = PredictedMotion { q: &state.positions, motion_bound, reach: self.options.reach, depth: 0.0 };
         self.begin_at_rest(&predicted_motion, &[]).map_err(Failure::Fatal)?;
         let undamped = vec![0.0; self.system.bodies.len()];

@@ -74,7 +74,7 @@ where
     ) -> Result<T, StepError> {
         let (state, tally) = (self.state.clone(), self.tally());
         let still = vec![0.0; self.system.nodes.count()];
-        let motion_bound = MotionBound::Each { sizes: &still, besides: 0.0 };
+        let motion_bound = MotionBound::Each { sizes: &still, besides: 0.0, is_continued: false };
         self.count_turns();
         self.begin_at_rest(&PredictedMotion { q: &state.positions, motion_bound, reach: self.options.reach, depth: 0.0 }, &[])?;
         let rest =

@@ -272,7 +272,7 @@ where
         let still = vec![0.0; self.system.nodes.count()];
         let predicted_motion = PredictedMotion {
             q: &q,
-            motion_bound: MotionBound::Each { sizes: &still, besides: 0.0 },
+            motion_bound: MotionBound::Each { sizes: &still, besides: 0.0, is_continued: false },
             reach: self.options.reach,
             depth: 0.0,
         };

@@ -217,7 +217,8 @@ where
         let moved = displacements_to(&self.system, self.state.pose(), &displacement, &predicted);
         let prescribed = largest_size(&moved);
         let still = vec![0.0; self.system.nodes.count()];
-        let motion_bound = MotionBound::Each { sizes: &still, besides: 2.0 * prescribed };
+        let motion_bound =
+            MotionBound::Each { sizes: &still, besides: 2.0 * prescribed, is_continued: progress.steps + progress.tries > 0 };
         let reaches = progress.closing.reaches(&self.system, &positions, self.state.row.time);
         self.begin_at_rest(&PredictedMotion { q: &positions, motion_bound, reach: self.options.reach, depth: 0.0 }, &reaches)?;
         let undamped = vec![0.0; self.system.bodies.len()];
@@ -269,7 +270,7 @@ where
         let besides = 2.0 * present.prescribed + unexpected + progress.closing.motion(&self.system, &present.reaches);
         let predicted_motion = PredictedMotion {
             q: positions,
-            motion_bound: MotionBound::Each { sizes: &sizes, besides },
+            motion_bound: MotionBound::Each { sizes: &sizes, besides, is_continued: true },
             reach: self.options.reach,
             depth: 0.0,
         };
