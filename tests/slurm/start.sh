@@ -38,7 +38,7 @@ MpiDefault=none
 ReturnToService=2
 KillWait=5
 MinJobAge=2
-MaxArraySize=61
+MaxArraySize=11
 NodeName=one NodeHostname=$host NodeAddr=127.0.0.1 Port=$((port + 1)) CPUs=1 RealMemory=1000 State=UNKNOWN
 NodeName=two NodeHostname=$host NodeAddr=127.0.0.1 Port=$((port + 2)) CPUs=1 RealMemory=1000 State=UNKNOWN
 PartitionName=main Nodes=one,two Default=YES MaxTime=INFINITE State=UP

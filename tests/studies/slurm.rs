@@ -66,9 +66,9 @@ const ARRAY: &str = "array 50%A \"it's\" $(exit 1)";
 fn slurm_computes_the_same_table_and_lost_tasks_are_made_up_for() {
     let folder = folder("slurm", &BLOCK.replace("10.0 * dt", "param(\"steps\", 10.0) * dt"));
     let Some(slurm) = Slurm::start(&folder.join("slurm")) else { return };
-    let vary = ["--vary", "dt=0.005,0.01", "--vary", "spin=1..3:100"];
+    let vary = ["--vary", "dt=0.005,0.01", "--vary", "spin=1..3:15"];
     let run = |arguments: &[&str]| slurm.conserva(&folder, arguments).output().unwrap();
-    // 200 points in more tasks than an array of this Slurm may have, hence two arrays.
+    // 30 points in more tasks than an array of this Slurm may have, hence two arrays.
     let output = run(&[&["sweep", "main.rhai", "--engine", "slurm", "--time", "5", "--out", ARRAY, "--per-task", "2"][..], &vary].concat());
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     assert_eq!(std::fs::read_to_string(folder.join(ARRAY).join("slurm/jobs.txt")).unwrap().lines().count(), 2);

@@ -170,7 +170,7 @@ fn study(random: &mut Random, kind: usize, wanted: f64) -> Option<[f64; 2]> {
 #[test]
 fn rows_of_vertices_and_edges_see_all_of_a_depth() {
     let (mut random, mut unseen, mut count, mut over, mut alarms, mut apart) = (Random(2007), 0.0f64, 0, 0, 0, 0);
-    for k in 0..1500 {
+    for k in 0..630 {
         let (kind, wanted) = (k % 9, [0.02, 0.05, 0.1, 0.2, 0.5, -0.05, -0.2][k / 9 % 7]);
         let Some([less, more]) = study(&mut random, kind, wanted) else { continue };
         if wanted > 0.0 {
@@ -182,7 +182,7 @@ fn rows_of_vertices_and_edges_see_all_of_a_depth() {
             alarms += usize::from(more > 1e-9);
         }
     }
-    assert!(count > 1000 && apart > 400, "{count} {apart}");
+    assert!(count > 420 && apart > 160, "{count} {apart}");
     assert!(unseen <= 0.03, "{unseen}");
     assert!(100 * over < count && alarms == 0, "{over} of {count}, {alarms} of {apart}");
 }
