@@ -50,71 +50,51 @@ impl Supports {
     ///
     /// A component of a rigid body's motion that a prescribed motion of some nodes determines, such as the rotation of an edge, is
     /// prescribed at all its nodes: only prescribed nodes have the velocity of the time function, which differs from that of the time
-    /// integrator by an error of second order in the step. Where supports determine a component, but not in the linearized motion
-    /// ([`spans`]), it is fixed at all nodes.
+    /// integrator by an error of second order in the step.
     pub fn new<const D: usize>(model: &Model, bodies: &[Body<D>], unknowns: usize) -> Self {
         let names = model.support_names();
         let number = |on: &BodyBoundary| names.iter().position(|name| *name == model.boundary_name(on));
         let nodes = |on: &BodyBoundary| model.bodies[on.body].mesh.boundary_nodes(&on.boundary);
         let global = |on: &BodyBoundary, node: u32, i: usize| (bodies[on.body].nodes.start + node as usize) * D + i;
-        let (mut fixed, mut owner) = (vec![false; unknowns], vec![None; unknowns]);
+        let mut held = HeldUnknowns { fixed: vec![false; unknowns], owner: vec![None; unknowns], prescribed: Vec::new() };
         for support in &model.supports {
             for node in nodes(&support.on) {
-                for unknown in (0..D).filter(|&i| support.components[i]).map(|i| global(&support.on, node, i)) {
-                    fixed[unknown] = true;
-                    owner[unknown] = owner[unknown].or(number(&support.on));
-                }
+                let supported = (0..D).filter(|&i| support.components[i]);
+                supported.for_each(|i| held.fix(global(&support.on, node, i), number(&support.on)));
             }
         }
-        for (body, rigid) in bodies.iter().filter_map(|body| Some((body, body.rigid.as_ref()?))) {
-            let (places, first) = (model.start(body.number), body.nodes.start);
-            for i in 0..D {
-                let own: Vec<u32> = (0..places.len() as u32).filter(|&node| fixed[(first + node as usize) * D + i]).collect();
-                if spans(&places, &own, i) {
-                    let owned = owner[(first + own[0] as usize) * D + i];
-                    for unknown in rigid.unknown_nodes().map(|node| node as usize * D + i) {
-                        fixed[unknown] = true;
-                        owner[unknown] = owner[unknown].or(owned);
-                    }
-                }
-            }
-        }
-        let (mut prescribed, mut motions) = (Vec::new(), Vec::new());
-        let mut turning = vec![None; names.len()];
+        bodies.iter().filter(|body| body.rigid.is_some()).for_each(|body| held.fix_along_edges(body, &model.start(body.number)));
+        let (mut motions, mut turning) = (Vec::new(), vec![None; names.len()]);
         for prescription in &model.prescriptions {
-            let on = &prescription.on;
+            let (on, owner, motion) = (&prescription.on, number(&prescription.on), motions.len());
             let (points, places) = (&model.bodies[on.body].mesh.points, model.start(on.body));
             let is_displaced = model.initial_displacements.iter().any(|initial| initial.body == on.body);
-            let mut prescribe = |node: u32, component: usize, may_replace: bool| {
-                let unknown = global(on, node, component);
-                if fixed[unknown] && !may_replace {
-                    return;
-                }
-                fixed[unknown] = true;
-                owner[unknown] = number(on);
-                // A later prescription of the same component replaces an earlier one.
-                prescribed.retain(|other: &PrescribedUnknown| other.unknown != unknown);
+            let moved = |node: u32, component: usize| {
                 let place = places[node as usize];
                 let start = is_displaced.then(|| place[component] - points[node as usize][component]);
-                prescribed.push(PrescribedUnknown { unknown, motion: motions.len(), place, component, start });
+                PrescribedUnknown { unknown: global(on, node, component), motion, place, component, start }
             };
             let own = nodes(on);
             for component in (0..D).filter(|&component| prescription.moves(component)) {
-                own.iter().for_each(|&node| prescribe(node, component, true));
+                own.iter().for_each(|&node| held.prescribe(moved(node, component), owner));
             }
             if let Some(rigid) = &bodies[on.body].rigid {
-                let first = bodies[on.body].nodes.start as u32;
-                let others: Vec<u32> = rigid.unknown_nodes().map(|node| node - first).filter(|node| !own.contains(node)).collect();
-                let determined = determined_components::<D>(model, prescription, &places, &others);
-                determined.into_iter().for_each(|component| others.iter().for_each(|&node| prescribe(node, component, false)));
+                let all = rigid.unknown_nodes().map(|node| node - bodies[on.body].nodes.start as u32);
+                let others: Vec<u32> = all.filter(|node| own.binary_search(node).is_err()).collect();
+                for component in determined_components::<D>(model, prescription, &places, &others) {
+                    let free = others.iter().map(|&node| moved(node, component)).filter(|one| !held.fixed[one.unknown]);
+                    let free: Vec<PrescribedUnknown> = free.collect();
+                    free.into_iter().for_each(|one| held.prescribe(one, owner));
+                }
             }
-            if let (Some(number), Some(_)) = (number(on), &prescription.turn) {
-                turning[number] = Some(motions.len());
+            if let (Some(number), Some(_)) = (owner, &prescription.turn) {
+                turning[number] = Some(motion);
             }
             motions.push((prescription.clone(), model.boundary_name(on)));
         }
+        let HeldUnknowns { fixed, owner, prescribed } = held;
         let mut held = vec![Vec::new(); names.len()];
-        owner.iter().enumerate().for_each(|(unknown, owner)| owner.iter().for_each(|&number: &usize| held[number].push(unknown)));
+        owner.iter().enumerate().for_each(|(unknown, owner)| owner.iter().for_each(|&number| held[number].push(unknown)));
         Supports { fixed, prescribed, motions, turning, held }
     }
 
@@ -173,6 +153,46 @@ impl Supports {
     /// True if a boundary has a prescribed rotation.
     pub fn turn(&self) -> bool {
         self.motions.iter().any(|(motion, _)| motion.turn.is_some())
+    }
+}
+
+/// Supported components while supports are made.
+struct HeldUnknowns {
+    /// True for each fixed or prescribed component.
+    fixed: Vec<bool>,
+    /// Boundary of [`Model::support_names`] to which each component belongs.
+    owner: Vec<Option<usize>>,
+    /// Components that follow a time function.
+    prescribed: Vec<PrescribedUnknown>,
+}
+
+impl HeldUnknowns {
+    /// Fixes a component; it belongs to the first boundary that fixes it.
+    fn fix(&mut self, unknown: usize, owner: Option<usize>) {
+        self.fixed[unknown] = true;
+        self.owner[unknown] = self.owner[unknown].or(owner);
+    }
+
+    /// Prescribes a component; a later prescription of the same one replaces an earlier one.
+    fn prescribe(&mut self, one: PrescribedUnknown, owner: Option<usize>) {
+        if self.fixed[one.unknown] {
+            self.prescribed.retain(|other| other.unknown != one.unknown);
+        }
+        (self.fixed[one.unknown], self.owner[one.unknown]) = (true, owner);
+        self.prescribed.push(one);
+    }
+
+    /// Fixes the components of a rigid body that its supports determine, but not in the linearized motion, at all its nodes ([`spans`]).
+    fn fix_along_edges<const D: usize>(&mut self, body: &Body<D>, places: &[[f64; 3]]) {
+        let first = body.nodes.start;
+        for i in 0..D {
+            let own: Vec<u32> = (0..places.len() as u32).filter(|&node| self.fixed[(first + node as usize) * D + i]).collect();
+            if spans(places, &own, i) {
+                let owner = self.owner[(first + own[0] as usize) * D + i];
+                let nodes = body.rigid.iter().flat_map(|rigid| rigid.unknown_nodes());
+                nodes.for_each(|node| self.fix(node as usize * D + i, owner));
+            }
+        }
     }
 }
 
