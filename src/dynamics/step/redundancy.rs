@@ -77,11 +77,10 @@ impl<const D: usize> Equations<D> {
     }
 
     /// Opens each constraint without compliance (`diagonal`) that depends on earlier ones and on supports, such as friction that sticks in
-    /// the joint of a taut cable. The constraints of contacts between deformable bodies are independent.
+    /// the joint of a taut cable. The normal constraints of contacts between surfaces are independent.
     pub fn open_dependent_rows(&self, [pairs, slips]: [&[Evaluation]; 2], rows: &mut ConstraintRows) {
         let is_held = |row: usize| rows.0[row].acts && rows.0[row].diagonal == 0.0;
-        let may_depend = self.pairs.iter().any(|pair| pair.kind.is_of_points() || pair.friction.is_some());
-        if !may_depend {
+        if self.pairs.iter().all(|pair| pair.kind == PairKind::Surfaces && pair.friction.is_none()) {
             return;
         }
         let mut gradients: BTreeMap<usize, Row> = BTreeMap::new();
