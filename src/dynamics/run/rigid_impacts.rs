@@ -79,8 +79,10 @@ where
         let (responses, [response, powers]) = solved.map_err(|failure| failure.or_end(self.state.row.time))?;
         let mut law = ImpactLaw { contacts, response };
         let before: Vec<f64> = rows.iter().zip(&powers).map(|(&row, power)| rates[row] + power).collect();
-        self.set_friction(motion, solution, &touches, &before, &mut law);
-        let outcome = self.outcome(motion, solution, conditions, &law, &touches, &rows, before);
+        let multipliers = self.multipliers_of_step(motion, solution);
+        let taken = closing_impulses(motion, &multipliers, &touches, &rows);
+        self.set_friction(motion, solution, &touches, [&before, &taken], &mut law);
+        let outcome = self.outcome(motion, solution, conditions, &law, &touches, [&multipliers, &taken], before);
         let push = self.system.response_to(&solution.at, evaluated, &responses, &rows, &outcome.impulses, &rates);
         let push = self.checked(motion, solution, push, tolerances::PUSH * outcome.exchanged)?;
         let mut jump = jump.unwrap_or_else(|| VelocityCorrection::none(v.len(), self.state.reserve.clone()));
@@ -153,12 +155,21 @@ where
     }
 
     /// Sets the friction coefficients of an impact at the slip speeds before it, and at the pressures of the same impact without friction
-    /// that lasts a step; `before` are the rates of the constraints of `law`.
-    fn set_friction(&self, motion: &Motion, solution: &Solution, touches: &[ImpactConstraint], before: &[f64], law: &mut ImpactLaw) {
+    /// that lasts a step. `before` are the rates of the constraints of `law` with the impulses `taken`, which are removed.
+    fn set_friction(
+        &self,
+        motion: &Motion,
+        solution: &Solution,
+        touches: &[ImpactConstraint],
+        [before, taken]: [&[f64]; 2],
+        law: &mut ImpactLaw,
+    ) {
         if law.contacts.iter().all(|contact| contact.tangents == 0) {
             return;
         }
-        let mut smooth = law.before(before.to_vec());
+        let mut rates = before.to_vec();
+        law.answer(taken, &mut rates);
+        let mut smooth = law.before(rates.clone());
         law.compress(&mut smooth, |_| true);
         for (touch, contact) in touches.iter().zip(&mut law.contacts) {
             let pair = &self.system.pairs[touch.pair];
@@ -167,7 +178,11 @@ where
             let around = pair.node_of(touch.row).map_or(1.0, |node| pair.circumference(node, &solution.at.q_1));
             let covered = (contact.weight * solution.at.pairs[touch.pair].coverage[local]).max(f64::MIN_POSITIVE);
             let speed = before[contact.slips()].iter().map(|rate| rate.powi(2)).sum::<f64>().sqrt() / covered;
-            let pressure = (smooth.impulses[contact.first] / (motion.dt * around)).max(f64::MIN_POSITIVE);
+            // A contact that others relieve has the impulse that would stop it alone.
+            let (row, count) = (contact.first, rates.len());
+            let alone = rates[row].abs() / law.response[row * count + row].max(f64::MIN_POSITIVE);
+            let impulse = if smooth.impulses[row] > 0.0 { smooth.impulses[row] } else { alone };
+            let pressure = (impulse / (motion.dt * around)).max(f64::MIN_POSITIVE);
             let at = SlipState { coefficient: friction.coefficients[local], pressure, speed };
             contact.friction = friction.law.limit(at).shear / pressure;
         }
@@ -190,7 +205,17 @@ where
         Ok((responses, response))
     }
 
-    /// Solves the impacts of a step that ends with the rates `ending`.
+    /// Multipliers of a step with their shares in its equations.
+    fn multipliers_of_step(&self, motion: &Motion, solution: &Solution) -> Vec<f64> {
+        let mut multipliers = solution.multipliers();
+        for pair in &self.system.pairs {
+            let share = if pair.forces_stay_in_step() { 1.0 } else { motion.scheme.weight };
+            multipliers[pair.rows.clone()].iter_mut().for_each(|multiplier| *multiplier *= share);
+        }
+        multipliers
+    }
+
+    /// Solves the impacts of a step that ends with the rates `ending`; the impulses `taken` of its multipliers are removed first.
     #[allow(clippy::too_many_arguments)]
     fn outcome(
         &self,
@@ -199,17 +224,10 @@ where
         conditions: &Conditions,
         law: &ImpactLaw,
         touches: &[ImpactConstraint],
-        rows: &[usize],
+        [multipliers, taken]: [&[f64]; 2],
         ending: Vec<f64>,
     ) -> Outcome {
-        // Impulses of the step's multipliers, with their shares in its equations, to be removed if they have closed a gap.
-        let mut multipliers = solution.multipliers();
-        for pair in &self.system.pairs {
-            let share = if pair.forces_stay_in_step() { 1.0 } else { motion.scheme.weight };
-            multipliers[pair.rows.clone()].iter_mut().for_each(|multiplier| *multiplier *= share);
-        }
-        let is_closing = touches.iter().any(|touch| !touch.was_closed && multipliers[touch.row] > 0.0);
-        let taken: Vec<f64> = rows.iter().map(|&row| if is_closing { -motion.dt * multipliers[row] } else { 0.0 }).collect();
+        let is_closing = taken.iter().any(|impulse| *impulse != 0.0);
         // Work of the closing, and its part beyond the targets: gaps are closed to a tolerance only, and multipliers are large in short
         // steps.
         let (mut closing, mut unbooked, mut slipped) = (0.0, 0.0, vec![0.0; touches.len()]);
@@ -224,17 +242,17 @@ where
             }
         }
         let mut rates = ending.clone();
-        law.answer(&taken, &mut rates);
+        law.answer(taken, &mut rates);
         let mut course = law.before(rates);
         if is_closing {
             law.compress(&mut course, |contact| touches[contact].was_closed);
         }
-        let before_closing = std::mem::replace(&mut course.impulses, vec![0.0; rows.len()]);
+        let before_closing = std::mem::replace(&mut course.impulses, vec![0.0; taken.len()]);
         course.normal_work = 0.0;
         law.compress(&mut course, |_| true);
         let compressed = course;
         let total =
-            |course: &ImpactSolution| -> Vec<f64> { (0..rows.len()).map(|i| taken[i] + before_closing[i] + course.impulses[i]).collect() };
+            |course: &ImpactSolution| -> Vec<f64> { (0..taken.len()).map(|i| taken[i] + before_closing[i] + course.impulses[i]).collect() };
         let work = |course: &ImpactSolution| -> f64 {
             total(course).iter().zip(ending.iter().zip(&course.rates)).map(|(p, (before, after))| 0.5 * p * (before + after)).sum()
         };
@@ -270,4 +288,10 @@ where
         let work = work(&course) + unbooked - surplus;
         Outcome { impulses: total(&course), lost: lost(&course).max(0.0), friction, exchanged, work }
     }
+}
+
+/// Impulses of the constraints `rows` that remove those of a step's multipliers, if the step has closed a gap; zero otherwise.
+fn closing_impulses(motion: &Motion, multipliers: &[f64], touches: &[ImpactConstraint], rows: &[usize]) -> Vec<f64> {
+    let is_closing = touches.iter().any(|touch| !touch.was_closed && multipliers[touch.row] > 0.0);
+    rows.iter().map(|&row| if is_closing { -motion.dt * multipliers[row] } else { 0.0 }).collect()
 }
