@@ -71,8 +71,6 @@ pub struct CornersInSpace {
     pub(super) kinds: Vec<Kind>,
     /// Constraint slot of each contact element and its gap function in this step; `None` without a constraint.
     pub(super) rows: Vec<Option<(usize, Measure)>>,
-    /// Nodes and facets of the last selection of constraints (node-to-segment method).
-    pub(super) last: BTreeSet<Kind>,
     start: Vec<Vec<f64>>,
     /// True if another kernel constrains the vertices of the secondary side.
     pub(super) has_nodal_rows: bool,
@@ -136,7 +134,6 @@ impl CornersInSpace {
             row_nodes,
             kinds: Vec::new(),
             rows: Vec::new(),
-            last: BTreeSet::new(),
             start: Vec::new(),
             has_nodal_rows: false,
             radius: 0.0,
@@ -217,12 +214,12 @@ impl CornersInSpace {
     }
 
     /// Selects the constraints of a step from the states of all feature pairs in `configurations`: the start and the predicted end of the
-    /// step.
-    fn choose(&mut self, configurations: &[&[f64]], predicted_motion: &PredictedMotion) {
+    /// step. `last` are nodes with the facets that they keep.
+    fn choose(&mut self, configurations: &[&[f64]], predicted_motion: &PredictedMotion, last: &BTreeSet<Kind>) {
         let mut chosen: Vec<Option<Found>> = vec![None; self.kinds.len()];
         for q in configurations {
             let found: Vec<Found> = (0..self.kinds.len()).filter_map(|patch| self.find(patch, q, predicted_motion)).collect();
-            let found = if self.slots > SLOTS { found } else { self.nearest_facets(self.kept_facets(found, predicted_motion)) };
+            let found = if self.slots > SLOTS { found } else { self.nearest_facets(self.kept_facets(found, last)) };
             let is_elsewhere = |row: &Found| self.has_nodal_rows && matches!(self.kinds[row.patch], Kind::Vertex { side: 0, .. });
             let settled = self.settled(&chosen);
             let is_settled = |row: &Found| settled.get(self.owner(row.patch)).is_some_and(|settled| *settled);
@@ -246,7 +243,6 @@ impl CornersInSpace {
                 chosen_rows[row.patch] = Some((slot, row.measure));
             }
         }
-        self.last = self.nodal_kinds(&chosen_rows);
         self.rows = chosen_rows;
     }
 
@@ -451,6 +447,7 @@ impl SlipsInSpace for CornersInSpace {
 
 impl CandidateSearch for CornersInSpace {
     fn update_candidates(&mut self, predicted_motion: &PredictedMotion) -> bool {
+        let last = if predicted_motion.is_continued() { self.nodal_kinds() } else { BTreeSet::new() };
         let changed = self.candidates.update(
             &self.owners,
             &self.partners,
@@ -461,8 +458,8 @@ impl CandidateSearch for CornersInSpace {
             self.list_patches();
         }
         match predicted_motion.end() {
-            Some(end) => self.choose(&[predicted_motion.q, &end], predicted_motion),
-            None => self.choose(&[predicted_motion.q], predicted_motion),
+            Some(end) => self.choose(&[predicted_motion.q, &end], predicted_motion, &last),
+            None => self.choose(&[predicted_motion.q], predicted_motion, &last),
         }
         changed
     }
@@ -480,7 +477,7 @@ impl CandidateSearch for CornersInSpace {
     fn restore_candidates(&mut self, candidates: &Candidates, q: &[f64]) {
         self.candidates = candidates.clone();
         self.list_patches();
-        self.choose(&[q], &PredictedMotion::within(q, 0.0));
+        self.choose(&[q], &PredictedMotion::within(q, 0.0), &BTreeSet::new());
         self.begin_step(q);
     }
 

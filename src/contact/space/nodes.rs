@@ -48,20 +48,18 @@ impl CornersInSpace {
         settled
     }
 
-    /// In a search for equilibrium that goes on, keeps for each node only the facet of its last constraint, if that is opposite. At the
-    /// border of two facets round-off would decide, anew in each step.
-    pub(super) fn kept_facets(&self, mut found: Vec<Found>, predicted_motion: &PredictedMotion) -> Vec<Found> {
-        if self.of_nodes.is_some() && predicted_motion.is_continued() {
-            let last = |row: &Found| self.last.contains(&self.kinds[row.patch]);
-            let keeps: BTreeSet<usize> = found.iter().filter(|row| last(row)).map(|row| self.owner(row.patch)).collect();
-            found.retain(|row| last(row) || !keeps.contains(&self.owner(row.patch)));
-        }
+    /// Keeps for each node only the facet that it has among `last`, if that is opposite. At the border of two facets round-off would decide,
+    /// anew in each step of a search for equilibrium.
+    pub(super) fn kept_facets(&self, mut found: Vec<Found>, last: &BTreeSet<Kind>) -> Vec<Found> {
+        let is_last = |row: &Found| last.contains(&self.kinds[row.patch]);
+        let keeps: BTreeSet<usize> = found.iter().filter(|row| is_last(row)).map(|row| self.owner(row.patch)).collect();
+        found.retain(|row| is_last(row) || !keeps.contains(&self.owner(row.patch)));
         found
     }
 
-    /// Nodes and facets with constraints; empty if only sharp features have constraints.
-    pub(super) fn nodal_kinds(&self, rows: &[Option<(usize, Measure)>]) -> BTreeSet<Kind> {
-        let rows = if self.of_nodes.is_some() { rows } else { &[] };
+    /// Nodes with constraints, and their facets; empty if only sharp features have constraints.
+    pub(super) fn nodal_kinds(&self) -> BTreeSet<Kind> {
+        let rows = if self.of_nodes.is_some() { &self.rows[..] } else { &[] };
         self.kinds.iter().zip(rows).filter(|(_, row)| row.is_some()).map(|(kind, _)| *kind).collect()
     }
 

@@ -49,11 +49,16 @@ where
         };
         let (cause, remedy) = (report.explanation(), report.remedy(ease));
         // Round-off can make a singular system regular, with solutions that grow without bound.
-        let is_singular =
-            matches!(report.cause, FailureCause::SingularSystem { .. } | FailureCause::Divergence | FailureCause::SlowConvergence);
+        let is_singular = matches!(report.cause, FailureCause::SingularSystem { .. } | FailureCause::Divergence);
+        // The constraint of a stop whose bodies are wholly prescribed has no free unknown: it stays violated.
+        let violated = self.trace.iterations.last().filter(|_| matches!(report.cause, FailureCause::SlowConvergence));
+        let violated = violated.map(|last| last.worst_row);
         let is_cycling = matches!(report.cause, FailureCause::CyclingContact { .. });
         self.failure = Some((report, self.trace.u_1.clone()));
-        if is_singular && let Some(stop) = self.system.determined_stop(&self.state.positions, AT_STOP) {
+        if (is_singular || violated.is_some())
+            && let Some(stop) = self.system.determined_stop(&self.state.positions, AT_STOP)
+            && violated.is_none_or(|row| stop.rows.contains(&row))
+        {
             return StepError::Blocked { joint: stop.name.clone(), time };
         }
         if is_cycling && let Some(jammed) = self.jammed() {
