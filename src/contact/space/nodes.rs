@@ -48,8 +48,8 @@ impl CornersInSpace {
         settled
     }
 
-    /// Keeps for each node only the facet that it has among `last`, if that is opposite. At the border of two facets round-off would decide,
-    /// anew in each step of a search for equilibrium.
+    /// Keeps for each node only the facet that it has among `last`, if that is opposite. At the border of two facets round-off would
+    /// decide, anew in each step of a search for equilibrium.
     pub(super) fn kept_facets(&self, mut found: Vec<Found>, last: &BTreeSet<Kind>) -> Vec<Found> {
         let is_last = |row: &Found| last.contains(&self.kinds[row.patch]);
         let keeps: BTreeSet<usize> = found.iter().filter(|row| is_last(row)).map(|row| self.owner(row.patch)).collect();
