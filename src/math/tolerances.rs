@@ -398,8 +398,8 @@ pub const QUARTER_TURN: f64 = 1e-12;
 /// Default relative tolerance of `expect_close`.
 pub const CLOSE: f64 = 1e-9;
 
-/// Default relative tolerance between a run and that of the moved model: the square root of Newton's tolerance of the energy is 3e-7.
-pub const INVARIANT: f64 = 1e-6;
+/// Default relative tolerance between a run and that of the moved model: round-off of some hundred steps of a collision.
+pub const INVARIANT: f64 = 1e-7;
 
 /// Relative error below which no order of convergence is computed from differences: they are round-off.
 pub const ORDER_ROUND_OFF: f64 = 1e-13;

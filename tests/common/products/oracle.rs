@@ -29,7 +29,7 @@ const LOAD: f64 = 3.0;
 /// Largest penetration over the facet size.
 const DEPTH: f64 = 0.15;
 /// Largest relative difference of a rotated, translated or rescaled model: the default tolerance of `expect_invariant`.
-pub const INVARIANT: f64 = 1e-6;
+pub const INVARIANT: f64 = 1e-7;
 /// Largest relative difference of the histories of a model in another numbering.
 const RENUMBERED: f64 = 1e-6;
 /// Largest violation of supports and joints `[length]`.
