@@ -39,7 +39,6 @@ where
             !pair.law.is_bilateral() && old.pace.is_open(contact, BOUNCE * self.sound)
         };
         let open: Vec<bool> = self.system.contacts().enumerate().map(is_open).collect();
-        let touch = first_touch(&old.row.contacts, &state.row.contacts, |contact| open[contact]);
         let (u, v_0) = ([&old.displacements[..], &state.displacements], &old.velocities[..]);
         let reach = reach::<D>(&state.positions);
         let [round_off, touch_round_off] = if self.system.depends_on_positions() {
@@ -47,6 +46,7 @@ where
         } else {
             [0.0; 2]
         };
+        let touch = first_touch(&old.row.contacts, &state.row.contacts, round_off, |contact| open[contact]);
         let plastic_strain = if control.plastic_strain.is_some() { self.plastic_strain(&state) } else { 0.0 };
         let (v_1, slip_end) = (&state.velocities[..], self.slip_end(&state, dt));
         let step = Stepped { scheme: &scheme, dt, u, v: [v_0, v_1], is_cut, touch, slip_end, round_off, touch_round_off, plastic_strain };
@@ -135,8 +135,12 @@ where
     }
 }
 
-/// Bound of the distances of the nodes from the origin: the radius of the model times a power of two, at least one. In contrast to the
-/// largest coordinate, the bound and the steps that depend on it are those of the model in other axes, and mostly in other places.
+/// Largest distance of a model from the origin, in its radii, at which the round-off of its positions counts as that of a centered model.
+const CENTERED: f64 = 4.0;
+
+/// Measure of the distances of the nodes from the origin: the radius of the model times a power of two, at least one, at most [`CENTERED`]
+/// times smaller than the largest distance. In contrast to the largest coordinate, the measure and the steps that depend on it are those
+/// of the model in other axes and, unless it is far away, in other places.
 fn reach<const D: usize>(q: &[f64]) -> f64 {
     let count = (q.len() / D).max(1) as f64;
     let mut mean = [0.0; D];
@@ -146,11 +150,16 @@ fn reach<const D: usize>(q: &[f64]) -> f64 {
         squares.fold(0.0, f64::max).sqrt()
     };
     let (radius, distance) = (farthest(mean), farthest([0.0; D]));
-    if radius > 0.0 && distance > radius { radius * (distance / radius).log2().ceil().exp2() } else { radius.max(distance) }
+    let ratio = distance / (CENTERED * radius);
+    match radius {
+        0.0 => distance,
+        _ => radius * ratio.max(1.0).log2().ceil().exp2(),
+    }
 }
 
-/// First touch of a contact within a step: the deepest among the contacts that have been open.
-fn first_touch(before: &[ContactTotals], after: &[ContactTotals], is_open: impl Fn(usize) -> bool) -> Option<FirstTouch> {
+/// First touch of a contact within a step: the deepest among the contacts that have been open. A rule that closes the gap leaves a depth
+/// of the size of `round_off` `[length]`, of either sign.
+fn first_touch(before: &[ContactTotals], after: &[ContactTotals], round_off: f64, is_open: impl Fn(usize) -> bool) -> Option<FirstTouch> {
     let none = ContactTotals::default();
     let (mut depth, mut is_kept) = (0.0f64, false);
     for (index, now) in after.iter().enumerate() {
@@ -161,6 +170,6 @@ fn first_touch(before: &[ContactTotals], after: &[ContactTotals], is_open: impl 
             is_kept |= now.active > 0;
         }
     }
-    let passed = (depth > 0.0).then_some(FirstTouch::Passed(depth));
+    let passed = (depth > round_off).then_some(FirstTouch::Passed(depth));
     passed.or(is_kept.then_some(FirstTouch::Kept))
 }

@@ -14,7 +14,9 @@
 //! *Plastic strain.* Where a bound is given, a step in which a point yields by more is repeated with a smaller size.
 //!
 //! *Step size.* A proportional-integral controller (Gustafsson, ACM TOMS 17, 1991; in the form of Soederlind, ACM TOMS 29, 2003),
-//! `dt (aim/r)^(2/3p) (r_before/aim)^(1/3p)` with the ratio `r` of error and admissible error, and the order `p`.
+//! `dt (aim/r)^(2/3p) (r_before/aim)^(1/3p)` with the ratio `r` of error and admissible error, and the order `p`. Factors of the step size
+//! are rounded to a fraction of the tolerance: round-off of a solution, which differs between a model and the same model moved or numbered
+//! otherwise, would change all later sizes, and grow from step to step.
 
 use std::sync::Arc;
 
@@ -32,6 +34,8 @@ const LONGER: f64 = 2.0;
 const SHORTER: f64 = 0.2;
 /// Largest size of a repeated step relative to the refused one.
 const LESS: f64 = 0.9;
+/// Factors of the step size are multiples of a number between half and the whole of this share of the tolerance.
+const ROUNDING: f64 = 0.125;
 /// Exponent of the average step size for shorter steps: `usual (dt/usual)^(FORGETTING dt/usual)`.
 const FORGETTING: f64 = 0.3;
 /// Growth of the largest mean speed in a step, in units of the root of the tolerance, above which a motion counts as just begun: the error
@@ -55,6 +59,12 @@ impl StepControl {
     /// Increase of plastic strain in a step relative to its bound; 0 without a bound.
     fn plastic_ratio(&self, plastic_strain: f64) -> f64 {
         self.plastic_strain.map_or(0.0, |largest| plastic_strain / largest)
+    }
+
+    /// Factor of the step size, rounded to a share of the tolerance that is a power of two.
+    fn rounded(&self, factor: f64) -> f64 {
+        let unit = (ROUNDING * self.tolerance.min(1.0)).log2().floor().exp2();
+        (factor / unit).round() * unit
     }
 
     /// Smallest step size, given the size `first` of the first step `[time]`.
@@ -115,9 +125,9 @@ pub struct Stepped<'a> {
 }
 
 impl Stepped<'_> {
-    /// Size of the next try if the error of a first touch or of the end of a slip is larger than `allowed`; `speed` is the largest mean
+    /// Factor of the size of the next try if the error of a first touch or of the end of a slip is larger than `allowed`; `speed` is the largest mean
     /// speed so far.
-    fn size_at_event(&self, speed: f64, allowed: f64, measure: &impl Measure) -> Option<f64> {
+    fn factor_at_event(&self, speed: f64, allowed: f64, measure: &impl Measure) -> Option<f64> {
         let &Stepped { dt, v: [v_0, v_1], touch, slip_end, touch_round_off, .. } = self;
         // A jump of the velocity acts from the touch on, not from the middle of the step.
         let jump = || measure.size(&v_1.iter().zip(v_0).map(|(v_1, v_0)| v_1 - v_0).collect::<Vec<f64>>(), true).min(speed);
@@ -128,10 +138,10 @@ impl Stepped<'_> {
         };
         let most = allowed.max(touch_round_off);
         if missed > most {
-            return Some((dt - (missed - AIM * most) / rate).clamp(SHORTER * dt, LESS * dt));
+            return Some((1.0 - (missed - AIM * most) / (rate * dt)).clamp(SHORTER, LESS));
         }
         let end = slip_end.filter(|end| end.missed() > allowed)?;
-        Some(dt * (end.share + AIM * allowed / end.slip).clamp(SHORTER, LESS))
+        Some((end.share + AIM * allowed / end.slip).clamp(SHORTER, LESS))
     }
 }
 
@@ -217,16 +227,17 @@ impl StepSizeState {
         let has_begun = speed <= self.speed * (1.0 + BEGUN * control.tolerance.sqrt());
         // A slightly smaller size would leave a tiny remainder of the step.
         let may_shrink = LESS * dt >= smallest;
+        let shorter = |factor: f64| (dt * control.rounded(factor)).max(smallest);
         if ratio > 1.0 && may_shrink && has_begun {
-            return Err((dt * (AIM / ratio).powf(1.0 / order).clamp(SHORTER, LESS)).max(smallest));
+            return Err(shorter((AIM / ratio).powf(1.0 / order).clamp(SHORTER, LESS)));
         }
         // Plastic strain grows in proportion to the step.
         let plastic_ratio = control.plastic_ratio(step.plastic_strain);
         if plastic_ratio > 1.0 && may_shrink {
-            return Err((dt * (AIM / plastic_ratio).clamp(SHORTER, LESS)).max(smallest));
+            return Err(shorter((AIM / plastic_ratio).clamp(SHORTER, LESS)));
         }
-        if let Some(size) = step.size_at_event(speed, allowed, measure).filter(|_| may_shrink) {
-            return Err(size.max(smallest));
+        if let Some(factor) = step.factor_at_event(speed, allowed, measure).filter(|_| may_shrink) {
+            return Err(shorter(factor));
         }
         // A motion that has just begun requires no shorter steps.
         let ratio = if has_begun { ratio } else { ratio.min(AIM) };
@@ -239,7 +250,7 @@ impl StepSizeState {
             let relative = (ratio / AIM).clamp(tolerances::EXACT, 1.0 / AIM);
             let before = if self.ratio > 0.0 { (self.ratio / AIM).max(tolerances::EXACT) } else { relative };
             let factor = (relative.powf(-2.0 / 3.0) * before.powf(1.0 / 3.0)).powf(1.0 / order);
-            next.dt = dt * factor.clamp(SHORTER, LONGER);
+            next.dt = dt * control.rounded(factor.clamp(SHORTER, LONGER));
             // Short steps that an event left and that only grow say nothing of the usual size: touches in quick succession would shorten
             // it, and with it the error admissible for the next one, to nothing.
             next.usual = match dt >= self.usual {
@@ -250,7 +261,7 @@ impl StepSizeState {
             next.ratio = ratio.min(1.0);
         }
         if plastic_ratio > AIM {
-            next.dt = next.dt.min(dt * (AIM / plastic_ratio).max(SHORTER));
+            next.dt = next.dt.min(dt * control.rounded((AIM / plastic_ratio).max(SHORTER)));
         }
         Ok(next)
     }

@@ -216,10 +216,12 @@ fn cone(product: Named, ended: &Ended) -> Vec<Fault> {
     let (pressure, shear, slip) =
         (told::first(&ended.printed, "pressure"), told::first(&ended.printed, "shear"), told::first(&ended.printed, "slip"));
     let most = pressure.iter().fold(0.0f64, |most, p| most.max(p.abs()));
-    // Viscosity times the speed of the last step, which is at least a thousandth of `dt` long.
+    // Viscosity times the speed of the last step, which is at least a thousandth of `dt` long. A node without slip may be beside the
+    // contact, where pressure and shear stress are means over a partly covered facet: the fastest node bounds its film.
+    let fastest = slip.iter().fold(0.0f64, |fastest, slip| fastest.max(slip.abs()));
     let film = |node: usize| {
-        0.1 * slip.get(node).map_or(0.0, |slip| slip.abs())
-            / told::first(&ended.printed, "dt").first().copied().unwrap_or(numbers.dt * 1e-2)
+        let slip = slip.get(node).map(|slip| slip.abs()).filter(|slip| *slip > 0.0).unwrap_or(fastest);
+        0.1 * slip / told::first(&ended.printed, "dt").first().copied().unwrap_or(numbers.dt * 1e-2)
     };
     let bound = |node: usize| {
         let p = if product.is("enforcement", &["equality"]) { pressure[node].abs() } else { pressure[node].max(0.0) };
