@@ -6,6 +6,7 @@ use super::equations::Equations;
 use super::start::StepStart;
 use crate::dynamics::model::step_error::StepError;
 use crate::dynamics::model::update_rules::ActiveConstraints;
+use crate::dynamics::parts::body::Body;
 use crate::dynamics::parts::contact_pair::{ContactPair, PairKind};
 use crate::dynamics::parts::laws::{Row, RowStart, RowState};
 use crate::integrators::Derivative;
@@ -128,10 +129,9 @@ impl<const D: usize> Equations<D> {
         compliance
     }
 
-    /// True if constraints of a contact in space belong to nodes of a rigid body. In the plane each keeps its own compliance: with one by
-    /// area, `scripts/scenarios/geneva_drive.rhai` fails at t = 0.61.
+    /// True if the constraints of a contact belong to nodes of a rigid body.
     fn is_on_rigid_body(&self, pair: &ContactPair) -> bool {
-        let node = if D == 3 { pair.node_of(pair.rows.start) } else { None };
+        let node = pair.node_of(pair.rows.start);
         node.is_some_and(|node| self.bodies[self.body_of(node as usize)].rigid.is_some())
     }
 
@@ -147,13 +147,12 @@ impl<const D: usize> Equations<D> {
     /// Stiffness of the node of every constraint, pressure per weighted gap: its elastic stiffness and its inertia in a step.
     pub fn row_stiffness(&self, start: &StepStart) -> Vec<f64> {
         let mut stiffness = Vec::with_capacity(self.multipliers);
-        let mass_of = |body: usize| self.bodies[body].nodes.clone().map(|node| self.nodes.nodal_mass[node]).sum::<f64>();
-        // The lumped masses of a rigid body with given inertia may be zero at its nodes: the mass of the body replaces them.
-        let masses: Vec<f64> =
-            (0..self.bodies.len()).map(|body| if self.bodies[body].rigid.is_some() { mass_of(body) } else { 0.0 }).collect();
+        // A force at a node of a rigid body moves the whole body, whose mass is that of the few nodes whose motion the others follow.
+        let mass_of = |body: &Body<D>| body.rigid.as_ref().map(|_| self.nodes.nodal_mass[body.nodes.clone()].iter().sum::<f64>());
+        let masses: Vec<Option<f64>> = self.bodies.iter().map(mass_of).collect();
         let inertia = |&node: &u32| {
-            let (own, body) = (self.nodes.lumped_mass[node as usize], self.body_of(node as usize));
-            start.inertia(body) * if own > 0.0 { own } else { masses[body] }
+            let body = self.body_of(node as usize);
+            start.inertia(body) * masses[body].unwrap_or(self.nodes.lumped_mass[node as usize])
         };
         for pair in &self.pairs {
             let (patches, mut of_elements) = (pair.kernel.patches(), vec![0.0f64; pair.rows.len()]);
