@@ -404,7 +404,7 @@ where
         // Energy of the momentum change by the residual, at the speed of a model with the reference energy.
         let size = |vector: [f64; 3]| vector.iter().map(|x| x * x).sum::<f64>().sqrt();
         let kick = size(resultant) + size(turning) / system.nodes.extent;
-        let momentum = tolerances::NEWTON_MOMENTUM * task.start.dt() * kick * (2.0 * task.energy / system.nodes.total_mass).sqrt();
+        let momentum = tolerances::NEWTON_MOMENTUM * task.start.dt().abs() * kick * (2.0 * task.energy / system.nodes.total_mass).sqrt();
         // Round-off of displacements, and of positions if forces depend on them, times stiffness, plus round-off of the motion times
         // inertia.
         let least = f64::MIN_POSITIVE.sqrt() * system.nodes.extent;
