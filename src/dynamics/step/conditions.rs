@@ -147,15 +147,16 @@ impl<const D: usize> Equations<D> {
     /// Stiffness of the node of every constraint, pressure per weighted gap: its elastic stiffness and its inertia in a step.
     pub fn row_stiffness(&self, start: &StepStart) -> Vec<f64> {
         let mut stiffness = Vec::with_capacity(self.multipliers);
-        // A force at a node of a rigid body moves the whole body, whose mass is that of the few nodes whose motion the others follow.
+        // The mass of a rigid body is that of the few nodes whose motion the others follow: the nodes of a contact share it instead.
         let mass_of = |body: &Body<D>| body.rigid.as_ref().map(|_| self.nodes.nodal_mass[body.nodes.clone()].iter().sum::<f64>());
         let masses: Vec<Option<f64>> = self.bodies.iter().map(mass_of).collect();
-        let inertia = |&node: &u32| {
-            let body = self.body_of(node as usize);
-            start.inertia(body) * masses[body].unwrap_or(self.nodes.lumped_mass[node as usize])
-        };
         for pair in &self.pairs {
             let (patches, mut of_elements) = (pair.kernel.patches(), vec![0.0f64; pair.rows.len()]);
+            let inertia = |&node: &u32| {
+                let body = self.body_of(node as usize);
+                let share = masses[body].map(|mass| mass / pair.rows.len() as f64);
+                start.inertia(body) * share.unwrap_or(self.nodes.lumped_mass[node as usize])
+            };
             // Constraints of facets or edges accelerate the nodes of their contact elements.
             for p in (0..patches.len()).filter(|_| pair.kernel.row_nodes().is_empty()) {
                 let heaviest = patches.nodes(p).iter().map(inertia).fold(0.0, f64::max);
