@@ -35,7 +35,8 @@ pub struct Conditions {
     pub shift: Vec<f64>,
     /// Stiffness at the node of every constraint in the step: pressure per weighted gap, or multiplier per slip.
     pub stiffness: Vec<f64>,
-    /// True for each tangential constraint that may come to rest within the step, because it slipped in the previous one.
+    /// True for each tangential constraint that may come to rest within the step, because it slipped in the previous one, or others of its
+    /// contact did and it was open.
     pub stops: Vec<bool>,
     /// Time step size, 0 at rest.
     pub dt: f64,
@@ -257,8 +258,21 @@ impl<const D: usize> Equations<D> {
             end_point,
             shift,
             stiffness,
-            stops: active.iter().map(|state| state.slides()).collect(),
+            stops: self.stops(active),
             dt: start.dt(),
         }
+    }
+
+    /// Tangential constraints that may come to rest within a step, for the constraint states `active` of the previous one. A node that was
+    /// open moves as those around it: if it had to stick throughout the step, a body at the end of its slip would turn about it.
+    fn stops(&self, active: &[RowState]) -> Vec<bool> {
+        let mut stops: Vec<bool> = active.iter().map(|state| state.slides()).collect();
+        for pair in &self.pairs {
+            let Some(friction) = &pair.friction else { continue };
+            if friction.rows.clone().any(|row| active[row].slides()) {
+                friction.rows.clone().for_each(|row| stops[row] |= active[row] == RowState::Open);
+            }
+        }
+        stops
     }
 }
