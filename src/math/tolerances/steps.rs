@@ -10,6 +10,7 @@ pub const STILL_AT: f64 = 1e-13;
 /// Default of the smallest adaptive step, relative to the first step: resolving an impact to this accuracy costs some twenty refused steps.
 pub const SMALLEST_STEP: f64 = 1e-6;
 
-/// Error of a first touch, relative to the largest coordinate, below which no shorter step is tried: in a step in which a body moves by a
-/// ten-millionth of the largest coordinate, the contact force of an impact does work of 1e-11 of the energy on the round-off of positions.
-pub const TOUCH: f64 = 1e-6;
+/// Error of a first touch, relative to the size of the model or, far from the origin, to a part of its distance, below which no shorter
+/// step is tried: in a step in which a body moves by two ten-millionths of it, the contact force of an impact does work of 1e-11 of the
+/// energy on the round-off of positions.
+pub const TOUCH: f64 = 2e-6;
