@@ -177,13 +177,19 @@ where
     /// # Errors
     /// Constraints depend on one another, or the run was interrupted.
     pub fn push(&mut self, end: &Ending, beta: f64, lambda: &[f64], rate: &[f64]) -> Result<ImpulseResponse, Failure> {
-        let cause = Cause { rows: end.rows(), lambda, hold: end.hold, rate, ratios: end.ratios };
-        let push = self.system.push(&end.solution.at, beta, &cause).map(|mut push| {
-            let rates = self.system.rates(end.rows(), &end.solution.at.q_1, &end.v);
-            self.system.add_driven(&end.solution.at, &rates, &mut push);
-            push
-        });
-        self.checked(end.motion, end.solution, push, 0.0)
+        let mut response = |is_eased: bool| {
+            let cause = Cause { rows: end.rows(), lambda, hold: end.hold, rate, ratios: end.ratios, is_eased };
+            let push = self.system.push(&end.solution.at, beta, &cause).map(|mut push| {
+                let rates = self.system.rates(end.rows(), &end.solution.at.q_1, &end.v);
+                self.system.add_driven(&end.solution.at, &rates, &mut push);
+                push
+            });
+            self.checked(end.motion, end.solution, push, 0.0)
+        };
+        match response(false) {
+            Err(Failure::Linear(LinearError::Singular { .. })) => response(true),
+            outcome => outcome,
+        }
     }
 
     /// Kinetic energy coefficients of an impulse response.

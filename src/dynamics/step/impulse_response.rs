@@ -49,6 +49,8 @@ pub struct Cause<'a> {
     pub rate: &'a [f64],
     /// Impulses of tangential constraints relative to those of their normal constraints, in the order of all constraints.
     pub ratios: &'a [f64],
+    /// True if unilateral constraints have a small compliance, because they depend on one another.
+    pub is_eased: bool,
 }
 
 impl<const D: usize> System<D>
@@ -63,11 +65,11 @@ where
     /// The system is singular, or the run was interrupted.
     pub fn push(&mut self, at: &Linearization, beta: f64, cause: &Cause) -> Result<ImpulseResponse, Failure> {
         let clock = Instant::now();
-        let (unknowns, &Cause { rows: evaluated, lambda, hold, rate, ratios }) = (at.q_1.len(), cause);
+        let (unknowns, &Cause { rows: evaluated, lambda, hold, rate, ratios, is_eased }) = (at.q_1.len(), cause);
         let mut values = vec![0.0; self.matrix.pattern.values()];
         self.add_mass_and_stiffness(&at.u_1, beta, &mut values);
         let scale = self.end_scale(evaluated);
-        let mut rows = self.held_rows(hold, evaluated);
+        let mut rows = self.held_rows(hold, evaluated, is_eased);
         let mut given: Vec<f64> = hold.iter().zip(rate).map(|(hold, rate)| if *hold { *rate } else { 0.0 }).collect();
         for pair in &self.pairs {
             for (row, normal_row) in pair.tangential().filter(|(row, _)| ratios[*row] != 0.0) {
@@ -162,11 +164,11 @@ impl<const D: usize> Equations<D>
 where
     Space<D>: Elements<D>,
 {
-    /// Equations of the constraints that `hold`. In models with couplings, unilateral constraints have a small compliance: those of both
-    /// sides of a periodic pair are equal, so that without it the matrix would be singular.
-    pub(super) fn held_rows(&self, hold: &[bool], evaluated: [&[Evaluation]; 2]) -> ConstraintRows {
+    /// Equations of the constraints that `hold`. If `is_eased`, and in models with couplings, unilateral constraints have a small compliance:
+    /// those of both sides of a periodic pair are equal, so that without it the matrix would be singular.
+    pub(super) fn held_rows(&self, hold: &[bool], evaluated: [&[Evaluation]; 2], is_eased: bool) -> ConstraintRows {
         let mut rows = ConstraintRows::held(hold);
-        if self.pairs.iter().any(|pair| matches!(pair.kind, PairKind::Coupling(_))) {
+        if is_eased || self.pairs.iter().any(|pair| matches!(pair.kind, PairKind::Coupling(_))) {
             let compliance = tolerances::RATE_COMPLIANCE * largest_end_gradient(evaluated);
             for pair in self.pairs.iter().filter(|pair| pair.is_unilateral()) {
                 let tangential = pair.tangential().map(|(row, _)| row);

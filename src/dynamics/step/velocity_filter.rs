@@ -50,7 +50,7 @@ where
         self.dampings.iter().for_each(|damping| damping.add_stiffness(&at.u_1, beta, &mut stiffness));
         let mut values = stiffness.clone();
         self.add_mass_and_stiffness(&at.u_1, 0.0, &mut values);
-        let rows = self.held_rows(hold, evaluated);
+        let rows = self.held_rows(hold, evaluated, false);
         let matrix = self.end_matrix(evaluated, &rows, scale, values);
         let rates = self.rates(evaluated, &at.q_1, v);
         let mut lost: Vec<f64> = (0..hold.len()).map(|row| if hold[row] { -rates[row] } else { 0.0 }).collect();
