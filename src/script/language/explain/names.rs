@@ -20,23 +20,24 @@ impl Explainer<'_> {
         let meant = place.and_then(|place| habits::meant(&place.text[..place.range.start], name, &place.text[place.range.end..]));
         // All names of one letter are near to each other, so none is suggested.
         let near = did_you_mean(name, declared.iter().map(String::as_str)).filter(|_| name.chars().count() > 1);
+        let is_variable = || self.lexemes(source).is_some_and(|lexemes| scan::has_variable(&lexemes, name));
         if let Some(hint) = meant {
             diagnostic = diagnostic.hint(hint);
         } else if let Some(hint) = habits::instead_of(name) {
             diagnostic = diagnostic.hint(hint);
+        } else if registry.named(name).any(|function| function.form == Form::Function) && !is_variable() {
+            diagnostic = diagnostic.cause(format!("`{name}` is a function")).hint(format!("call it: `{name}(…)`"));
         } else if let Some(suggestion) = near {
             diagnostic = diagnostic.hint(suggestion);
         } else if self.host.settings.interactive && place.is_some_and(|place| !is_in_function(&place.text[..place.range.start])) {
-            if self.lexemes(source).is_some_and(|lexemes| scan::has_variable(&lexemes, name)) {
+            if is_variable() {
                 diagnostic = diagnostic.cause(format!("the entry that declares `{name}` failed before it did, or was taken back"));
             }
             diagnostic = diagnostic.hint(format!("declare it: `let {name} = …;`; `:vars` lists the variables"));
-        } else if self.lexemes(source).is_some_and(|lexemes| scan::has_variable(&lexemes, name)) {
+        } else if is_variable() {
             diagnostic = diagnostic
                 .cause("a function sees its parameters and constants of its own, not the variables around it")
                 .hint(format!("pass `{name}` as a parameter"));
-        } else if registry.named(name).next().is_some() {
-            diagnostic = diagnostic.cause(format!("`{name}` is a function")).hint(format!("call it: `{name}(…)`"));
         } else {
             diagnostic = diagnostic.hint(format!("declare it first: `let {name} = …;`"));
         }
