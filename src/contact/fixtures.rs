@@ -6,7 +6,27 @@ use crate::integrators::Derivative;
 pub fn evaluated(kernel: &dyn ContactKernel, derivative: Derivative, q_1: &[f64], lambda: &[f64]) -> Evaluation {
     let mut out = Evaluation::default();
     kernel.evaluate(derivative, q_1, lambda, &mut out);
-    out.with_room(kernel.patches())
+    stored(&out, kernel.patches())
+}
+
+/// Copy of an evaluation with storage for the blocks of all contact elements.
+pub fn stored(out: &Evaluation, patches: &Patches) -> Evaluation {
+    let mut all = Evaluation::default();
+    all.prepare(patches, out.gap.len());
+    (all.gap, all.coverage, all.live) = (out.gap.clone(), out.coverage.clone(), out.live.clone());
+    for p in 0..patches.len() {
+        let (gradient, tangent) = (out.gradient_range(patches, p), out.tangent_range(patches, p));
+        let from = [(&out.gradient_end, gradient.clone()), (&out.gradient_bar, gradient), (&out.tangent, tangent)];
+        let to = [
+            &mut all.gradient_end[patches.gradient_range(p)],
+            &mut all.gradient_bar[patches.gradient_range(p)],
+            &mut all.tangent[patches.tangent_range(p)],
+        ];
+        for ((blocks, range), to) in from.into_iter().zip(to) {
+            to.iter_mut().zip(&blocks[range]).for_each(|(to, from)| *to = *from);
+        }
+    }
+    all
 }
 
 pub fn difference(b: &[f64], a: &[f64]) -> Vec<f64> {
@@ -56,19 +76,6 @@ pub(crate) fn unbalance(rows: &[Vec<f64>], q: &[f64]) -> f64 {
         let moment: f64 = row.chunks_exact(2).zip(q.chunks_exact(2)).map(|(f, x)| x[0] * f[1] - x[1] * f[0]).sum();
         largest.max(force(0).abs()).max(force(1).abs()).max(moment.abs())
     })
-}
-
-/// Largest resultant force and moment (about the origin, arms `q`) of constraint gradients in space, each taken as nodal forces.
-pub(crate) fn unbalance_in_space(rows: &[Vec<f64>], q: &[f64]) -> f64 {
-    let of = |row: &Vec<f64>| {
-        let mut sums = [0.0; 6];
-        for ([x, y, z], [f, g, h]) in q.as_chunks::<3>().0.iter().zip(row.as_chunks::<3>().0) {
-            let entries = [*f, *g, *h, y * h - z * g, z * f - x * h, x * g - y * f];
-            sums.iter_mut().zip(entries).for_each(|(sum, entry)| *sum += entry);
-        }
-        sums.iter().fold(0.0, |largest: f64, sum| largest.max(sum.abs()))
-    };
-    rows.iter().map(of).fold(0.0, f64::max)
 }
 
 /// Two polygons, one inside the other; `q` begins with the nodes of the inner one.

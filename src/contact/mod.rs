@@ -18,8 +18,6 @@ mod chain;
 mod checks;
 mod clearance;
 mod combinations;
-#[cfg(test)]
-mod contract;
 mod depth;
 mod edge_plane;
 mod exact;
@@ -61,8 +59,6 @@ mod round;
 mod round_parts;
 mod search;
 mod slip;
-#[cfg(test)]
-mod slip_contract;
 mod slivers;
 mod solid;
 mod space;

@@ -241,27 +241,6 @@ impl Evaluation {
             self.tangent[patches.tangent_range(p)].fill(0.0);
         }
     }
-
-    /// Copy of the evaluation with storage for the blocks of all contact elements.
-    #[cfg(test)]
-    pub(crate) fn with_room(self, patches: &Patches) -> Evaluation {
-        let mut all = Evaluation::default();
-        all.prepare(patches, self.gap.len());
-        (all.gap, all.coverage, all.live) = (self.gap.clone(), self.coverage.clone(), self.live.clone());
-        for p in 0..patches.len() {
-            let (gradient, tangent) = (self.gradient_range(patches, p), self.tangent_range(patches, p));
-            let from = [(&self.gradient_end, gradient.clone()), (&self.gradient_bar, gradient), (&self.tangent, tangent)];
-            let to = [
-                &mut all.gradient_end[patches.gradient_range(p)],
-                &mut all.gradient_bar[patches.gradient_range(p)],
-                &mut all.tangent[patches.tangent_range(p)],
-            ];
-            for ((blocks, range), to) in from.into_iter().zip(to) {
-                to.iter_mut().zip(&blocks[range]).for_each(|(to, from)| *to = *from);
-            }
-        }
-        all
-    }
 }
 
 /// Range of a block: `everywhere` if all contact elements are stored, otherwise it starts at `first`; empty for [`NO_ROOM`].

@@ -91,7 +91,7 @@ mod tests {
     use proptest::prelude::*;
     use proptest::test_runner::RngSeed;
 
-    use super::super::fixtures::{dense_rows_of, difference, product, tangent_along};
+    use super::super::fixtures::{dense_rows_of, difference, product, stored, tangent_along};
     use super::super::{Evaluation, ObstacleInSpace, round_parts};
     use super::*;
     use crate::integrators::{Configuration, Derivative};
@@ -197,7 +197,7 @@ mod tests {
             let (moved, mut slips) = (difference(q, q_0), Evaluation::default());
             let step = SlipStep { q_0, q_1: q, moved: &moved, test: Configuration::Middle, live: &out.live, wants_tangent: true };
             kernel.evaluate_slips(step, shears, &mut slips);
-            slips.with_room(kernel.slip_patches())
+            stored(&slips, kernel.slip_patches())
         };
         let (at, count, of_slips) = (slips(&q_1), (d - 1) * lambda.len(), kernel.slip_patches());
         let exact = rows(&at.gradient_end, of_slips, count).iter().map(|row| product(row, direction)).collect();

@@ -283,7 +283,7 @@ impl RigidObstacle for TurningContact {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::fixtures::{difference, evaluated, product};
+    use crate::contact::fixtures::{difference, evaluated, product, stored};
     use crate::contact::surface::Surface;
     use crate::contact::{Facets, Obstacle, ObstacleInSpace, RigidCorners, rigid_contact};
 
@@ -407,7 +407,7 @@ mod tests {
                 let (mut out, moved) = (Evaluation::default(), difference(q_1, &q_0));
                 let step = SlipStep { q_0: &q_0, q_1, moved: &moved, test: Configuration::Middle, live: &live, wants_tangent: true };
                 kernel.evaluate_slips(step, &tau, &mut out);
-                out.with_room(kernel.slip_patches())
+                stored(&out, kernel.slip_patches())
             };
             let still = slips(&along);
             assert!(still.gap.iter().all(|slip| slip.abs() < 1e-14), "{case}: {:?}", still.gap);

@@ -7,6 +7,7 @@ mod bodies;
 mod closed_forms;
 mod contacts;
 mod elements;
+mod kernels;
 mod laws;
 mod masses;
 mod materials;
@@ -19,3 +20,5 @@ mod simulations;
 mod states;
 mod torques;
 mod viscous_bodies;
+
+use conserva::integrators;

@@ -5,8 +5,6 @@ mod closing;
 mod corners;
 mod corners_of_obstacles;
 mod curved_face;
-#[cfg(test)]
-mod depth_study;
 mod dual;
 mod exact_profile;
 mod facets;

@@ -309,6 +309,15 @@ mod tests {
         Pair::new(x, counts).map_or([0.0; CORNERS], |pair| pair.curved(profiles(kind, counts).each_ref()).values())
     }
 
+    /// Random direction in the space of all coordinates.
+    fn direction() -> impl Strategy<Value = Vec<f64>> {
+        prop::collection::vec(-1.0..1.0f64, 3 * NODES)
+    }
+
+    fn moved(x: &[Vec3<f64>], direction: &[f64], step: f64) -> Vec<Vec3<f64>> {
+        x.iter().zip(direction.as_chunks::<3>().0).map(|(x, d)| std::array::from_fn(|i| x[i] + step * d[i])).collect()
+    }
+
     fn kinds() -> impl Strategy<Value = usize> {
         prop::sample::select(vec![0, 1, 2])
     }
@@ -329,25 +338,22 @@ mod tests {
             (counts, x) in prop::sample::select(vec![[4, 4], [4, 3], [3, 4], [3, 3]])
                 .prop_flat_map(|counts| nodes(counts).prop_map(move |x| (counts, x))),
             kind in kinds(),
+            direction in direction(),
         ) {
             let pair = pair(&x, counts, kind);
+            let at = |step: f64| values(&moved(&x, &direction, step), counts, kind);
+            let [fine, coarse] = [1e-5, 2e-5].map(|step| {
+                let (more, less) = (at(step), at(-step));
+                [0, 1, 2, 3].map(|row| (more[row] - less[row]) / (2.0 * step))
+            });
             for row in 0..counts[0] {
                 let mut weights = [0.0; CORNERS];
                 weights[row] = 1.0;
                 let gradient = gradient(&pair, &weights);
-                for node in 0..counts[0] + counts[1] {
-                    for i in 0..3 {
-                        let at = |step: f64| {
-                            let mut moved = x.clone();
-                            moved[node][i] += step;
-                            values(&moved, counts, kind)[row]
-                        };
-                        let [fine, coarse] = [1e-5, 2e-5].map(|step| (at(step) - at(-step)) / (2.0 * step));
-                        // At kinks difference quotients of different widths disagree.
-                        if (fine - coarse).abs() < 1e-7 {
-                            prop_assert!((gradient[node][i] - fine).abs() < 1e-6, "{node} {i}: {} {fine}", gradient[node][i]);
-                        }
-                    }
+                let along: f64 = gradient.as_flattened().iter().zip(&direction).take(3 * x.len()).map(|(g, d)| g * d).sum();
+                // At kinks difference quotients of different widths disagree.
+                if (fine[row] - coarse[row]).abs() < 1e-7 {
+                    prop_assert!((along - fine[row]).abs() < 1e-6, "{row}: {along} {}", fine[row]);
                 }
             }
         }
@@ -358,27 +364,23 @@ mod tests {
                 .prop_flat_map(|counts| nodes(counts).prop_map(move |x| (counts, x))),
             band in prop::sample::select(vec![0.0, EDGES_MEET, 0.3]),
             kind in kinds(),
+            direction in direction(),
         ) {
             let weights = [1.0, -0.5, 2.0, 0.25];
             let (at, unknowns) = (|x: &[Vec3<f64>]| pair(x, counts, kind), 3 * x.len());
             let mut hessian = vec![0.0; unknowns * unknowns];
             at(&x).hessian_into(&weights, band, 2.0, &mut hessian);
-            for column in 0..unknowns {
-                let moved = |step: f64| {
-                    let mut moved = x.clone();
-                    moved[column / 3][column % 3] += step;
-                    at(&moved).gradient(&weights, band).0
-                };
-                let differences = [1e-5, 2e-5].map(|step| {
-                    let (more, less) = (moved(step), moved(-step));
-                    let slope = |(more, less): (&f64, &f64)| (more - less) / step;
-                    more.as_flattened().iter().zip(less.as_flattened()).map(slope).collect::<Vec<f64>>()
-                });
-                for (row, derivatives) in hessian.chunks_exact(unknowns).enumerate() {
-                    let [fine, coarse] = [differences[0][row], differences[1][row]];
-                    if (fine - coarse).abs() < 1e-6 {
-                        prop_assert!((derivatives[column] - fine).abs() < 1e-5, "{row} {column}: {} {fine}", derivatives[column]);
-                    }
+            let gradient = |step: f64| at(&moved(&x, &direction, step)).gradient(&weights, band).0;
+            let differences = [1e-5, 2e-5].map(|step| {
+                let (more, less) = (gradient(step), gradient(-step));
+                let slope = |(more, less): (&f64, &f64)| (more - less) / step;
+                more.as_flattened().iter().zip(less.as_flattened()).map(slope).collect::<Vec<f64>>()
+            });
+            for (row, derivatives) in hessian.chunks_exact(unknowns).enumerate() {
+                let [fine, coarse] = [differences[0][row], differences[1][row]];
+                let along: f64 = derivatives.iter().zip(&direction).map(|(h, d)| h * d).sum();
+                if (fine - coarse).abs() < 1e-6 {
+                    prop_assert!((along - fine).abs() < 1e-5, "{row}: {along} {fine}");
                 }
             }
         }

@@ -1,11 +1,11 @@
-//! Properties of the slips of every contact kernel in the plane, over the random steps of `contract.rs`.
+//! Properties of the slips of every contact kernel in the plane, over the random steps of `plane.rs`.
 
 use proptest::prelude::*;
 
-use super::contract::{UNKNOWNS, chains, config, kernels, step};
-use super::fixtures::{dense_rows, difference, evaluated, product, tangent_along, unbalance};
-use super::{ContactKernel, Evaluation, Obstacle, SlipStep, Surface, rigid_contact};
-use crate::integrators::{Configuration, Derivative};
+use super::fixtures::{dense_rows, difference, evaluated, product, stored, tangent_along, unbalance};
+use super::plane::{UNKNOWNS, chains, config, kernels, step};
+use conserva::contact::{ContactKernel, Evaluation, Obstacle, SlipStep, Surface, rigid_contact};
+use conserva::integrators::{Configuration, Derivative};
 
 const SHEARS: [f64; 4] = [1.0, -0.5, 2.0, 0.25];
 
@@ -13,7 +13,7 @@ fn slips(kernel: &dyn ContactKernel, q_0: &[f64], q_1: &[f64], test: Configurati
     let normal = evaluated(kernel, Derivative::DiscreteGradient, q_1, &SHEARS);
     let (moved, mut out) = (difference(q_1, q_0), Evaluation::default());
     kernel.evaluate_slips(SlipStep { q_0, q_1, moved: &moved, test, live: &normal.live, wants_tangent: true }, &SHEARS, &mut out);
-    out.with_room(kernel.slip_patches())
+    stored(&out, kernel.slip_patches())
 }
 
 /// Positions rotated about a point.

@@ -5,8 +5,7 @@
 
 use nalgebra::{Rotation3, Vector3};
 
-use super::{CornersInSpace, ProxySurfacesInSpace};
-use crate::contact::window::{MotionBound, PredictedMotion};
+use conserva::contact::{CornersInSpace, MotionBound, PredictedMotion, ProxySurfacesInSpace};
 
 type Vector = Vector3<f64>;
 

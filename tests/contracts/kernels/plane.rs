@@ -10,8 +10,10 @@ use proptest::prelude::*;
 use proptest::test_runner::{RngSeed, TestRunner};
 
 use super::fixtures::{dense_rows, difference, evaluated, product, tangent_along, unbalance};
-use super::{AveragedMortar, CandidateSearch, ContactKernel, Correction, Mortar, NodeToSegment, PatchFunctions, PredictedMotion, Setting};
-use crate::integrators::{Configuration, Derivative};
+use conserva::contact::{
+    AveragedMortar, CandidateSearch, ContactKernel, Correction, Mortar, NodeToSegment, PatchFunctions, PredictedMotion, Setting,
+};
+use conserva::integrators::{Configuration, Derivative};
 
 /// Facets of the secondary chain, nodes 0 to 3, which faces down.
 const SECONDARY: [[u32; 2]; 3] = [[0, 1], [1, 2], [2, 3]];
