@@ -63,6 +63,7 @@ mod search;
 mod slip;
 #[cfg(test)]
 mod slip_contract;
+mod slip_on_curves;
 mod slivers;
 mod solid;
 mod space;
