@@ -23,6 +23,7 @@ use super::patches::Evaluation;
 use super::profile::PairProfiles;
 use super::search::PairSearch;
 use super::slip::{self, SlipRows, SlipStep};
+use super::slip_on_curves;
 use super::surface::{Sides, Surface};
 use crate::integrators::{Configuration, Derivative, PatchFunction, Projection};
 use crate::math::tolerances::SMOOTH;
@@ -218,11 +219,26 @@ impl SlipRows for AveragedMortar {
         self.search.near[p]
     }
 
-    fn rows<T: Number>(&self, p: usize, z: &[T], rows: &mut [T], covered: &mut [f64]) -> bool {
+    fn rows<T: Number>(&self, p: usize, _places: &[usize], z: &[T], rows: &mut [T], covered: &mut [f64]) -> bool {
         let (pair, width) = (self.pairs[p], z.len());
-        let Some(opposite) = AveragedOverlap::new(&pair.differences(z), pair.has_neighbors()) else { return false };
+        let Some(overlap) = AveragedOverlap::new(&pair.differences(z), pair.has_neighbors()) else { return false };
         let places = [1, 2, 4, 5].map(|role| usize::from(pair.roles[role].expect("both facets have their nodes")));
-        for Point { measure, shapes, normal: n, opposite, .. } in opposite.points(pair.profiles.is_some()) {
+        for point in overlap.points(pair.profiles.is_some()) {
+            let Point { measure, shapes, normal: n, opposite, .. } = point;
+            if let Some(profiles) = &pair.profiles {
+                let [own, other] = overlap.points_of_curves(profiles, &point);
+                let mut row = [T::from(0.0); 8];
+                // Gaps have the measure `|n| dl`.
+                slip_on_curves::add_points([-n[1], n[0]], own, other, &mut row);
+                for (k, shape) in shapes.into_iter().enumerate() {
+                    let weight = measure * shape;
+                    covered[k] += weight.re();
+                    for (place, part) in places.into_iter().zip(row.chunks_exact(2)) {
+                        (0..2).for_each(|i| rows[k * width + 2 * place + i] += weight * part[i]);
+                    }
+                }
+                continue;
+            }
             let [x, y] = unit(n);
             let (along, shares) = ([-y, x], [shapes[0], shapes[1], opposite - 1.0, -opposite]);
             for (k, shape) in shapes.into_iter().enumerate() {

@@ -138,13 +138,35 @@ impl<T: Number> AveragedOverlap<T> {
     }
 }
 
+/// Components of `n` along a facet and outwards, relative to the facet vector. The body is on the left of `facet`.
+fn components<T: Number>(facet: Vector<T>, n: Vector<T>) -> [T; 2] {
+    let square = facet[0] * facet[0] + facet[1] * facet[1];
+    [(n[0] * facet[0] + n[1] * facet[1]) / square, (n[0] * facet[1] - n[1] * facet[0]) / square]
+}
+
 /// Distance from a facet to its curve, starting at the facet point `xi` in the direction `n`, in units of `|n|`. `facet` is the facet
 /// vector, with the body on its left.
 fn distance_to_curve<T: Number>(profile: &Profile, facet: Vector<T>, xi: T, n: Vector<T>) -> T {
-    let square = facet[0] * facet[0] + facet[1] * facet[1];
-    let along = (n[0] * facet[0] + n[1] * facet[1]) / square;
-    let outwards = (n[0] * facet[1] - n[1] * facet[0]) / square;
+    let [along, outwards] = components(facet, n);
     profile.at(profile.seen_at(xi, along / outwards))[0] / outwards
+}
+
+/// Facet coordinate and relative height of the point of a curve in the direction `n` from the facet point `xi`.
+fn point_of_curve<T: Number>(profile: &Profile, facet: Vector<T>, xi: T, n: Vector<T>) -> [T; 2] {
+    let [along, outwards] = components(facet, n);
+    let xi = profile.seen_at(xi, along / outwards);
+    [xi, profile.at(xi)[0]]
+}
+
+impl<T: Number> AveragedOverlap<T> {
+    /// Facet coordinates and relative heights of the points of both curves on the line of a quadrature point. The coordinate of the primary
+    /// facet runs from its first node.
+    pub(super) fn points_of_curves(&self, PairProfiles([own, other]): &PairProfiles, point: &Point<T>) -> [[T; 2]; 2] {
+        let ([y_1, y_2], n) = (self.y, point.normal);
+        let primary = [y_2[0] - y_1[0], y_2[1] - y_1[1]];
+        let secondary = point_of_curve(own, self.t, point.shapes[1], n);
+        [secondary, point_of_curve(&other.reversed(), primary, point.opposite, n.map(|x| -x))]
+    }
 }
 
 /// Weighted gaps and covered lengths from the difference vectors; `None` where the facets do not face each other or do not overlap.

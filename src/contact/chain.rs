@@ -89,6 +89,11 @@ impl Chain {
         Chain { profiles, ..self }
     }
 
+    /// Height profile of a facet; `None` for a straight one.
+    pub fn profile(&self, facet: usize) -> Option<&Profile> {
+        self.profiles.get(facet).filter(|profile| !profile.is_flat())
+    }
+
     /// Facets in node indices of the contact element.
     pub fn facets(&self) -> &[[u32; 2]] {
         &self.facets
@@ -318,7 +323,7 @@ impl Chain {
 
     /// Arguments of [`gap_to_curve`] for a curved facet at the node positions `z`; `None` for a straight one.
     fn curve(&self, facet: usize, z: &[f64]) -> Option<(&Profile, SVector<f64, 4>)> {
-        let profile = self.profiles.get(facet).filter(|profile| !profile.is_flat())?;
+        let profile = self.profile(facet)?;
         let (t, d) = self.offsets(facet, z);
         Some((profile, SVector::from([t[0], t[1], d[0], d[1]])))
     }

@@ -59,6 +59,7 @@ mod round;
 mod round_parts;
 mod search;
 mod slip;
+mod slip_on_curves;
 mod slivers;
 mod solid;
 mod space;

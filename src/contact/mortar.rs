@@ -19,6 +19,7 @@ use super::patches::Evaluation;
 use super::profile::PairProfiles;
 use super::search::PairSearch;
 use super::slip::{self, SlipRows, SlipStep};
+use super::slip_on_curves;
 use super::space::MortarInSpace;
 use super::surface::Sides;
 use crate::integrators::{Configuration, Derivative, LEAST_SQUARE};
@@ -363,10 +364,20 @@ impl SlipRows for Mortar {
         true
     }
 
-    fn rows<T: Number>(&self, p: usize, z: &[T], rows: &mut [T], covered: &mut [f64]) -> bool {
+    fn rows<T: Number>(&self, p: usize, _places: &[usize], z: &[T], rows: &mut [T], covered: &mut [f64]) -> bool {
+        let shapes = self.shape(p);
+        if let Some(profiles) = self.profiles(p) {
+            let Some((standard, lengths)) = slip_on_curves::slip_rows(z, profiles) else { return false };
+            for (k, shape) in shapes.iter().enumerate() {
+                let row = rows[8 * k..8 * k + 8].iter_mut().zip(standard[0].iter().zip(&standard[1]));
+                row.for_each(|(row, (first, second))| *row = *first * shape[0] + *second * shape[1]);
+                covered[k] = shape[0] * lengths[0].re() + shape[1] * lengths[1].re();
+            }
+            return true;
+        }
         let Some((standard, t)) = slip_weights(z) else { return false };
         let length = (t[0] * t[0] + t[1] * t[1]).re().sqrt();
-        for (k, shape) in self.shape(p).iter().enumerate() {
+        for (k, shape) in shapes.iter().enumerate() {
             for node in 0..4 {
                 let weight = standard[0][node] * shape[0] + standard[1][node] * shape[1];
                 (0..2).for_each(|i| rows[8 * k + 2 * node + i] = t[i] * weight);

@@ -4,7 +4,9 @@
 use super::chain::{Chain, Line, Measure};
 use super::numbers::Number;
 use super::patches::Evaluation;
+use super::profile::Profile;
 use super::slip::{self, SlipRows};
+use super::slip_on_curves;
 use super::surface::Sides;
 use crate::integrators::{Configuration, Derivative, PatchFunction, Projection};
 
@@ -80,6 +82,13 @@ impl PointStart {
     pub fn gather_into(&self, nodes: &[u32], q: &[f64], z: &mut Vec<f64>) {
         z.clear();
         z.extend(self.places.iter().map(|&place| 2 * nodes[place as usize] as usize).flat_map(|x| [q[x], q[x + 1]]));
+    }
+
+    /// Height profile of the facet between two nodes, given by their indices in the contact element; `None` for a straight facet.
+    fn profile_between(&self, nodes: [usize; 2]) -> Option<&Profile> {
+        let place = |node: u32| self.places[node as usize] as usize;
+        let facet = self.chain.facets().iter().position(|facet| facet.map(place) == nodes)?;
+        self.chain.profile(facet)
     }
 
     /// Gaps of the constraints at `z`, reduced by the height of the point's own surface.
@@ -224,14 +233,17 @@ impl SlipRows for Slips<'_> {
         places.len() > 1
     }
 
-    fn rows<T: Number>(&self, p: usize, z: &[T], rows: &mut [T], covered: &mut [f64]) -> bool {
+    fn rows<T: Number>(&self, p: usize, places: &[usize], z: &[T], rows: &mut [T], covered: &mut [f64]) -> bool {
         let width = z.len();
         for (m, row) in self.sides.patches.rows(p).iter().enumerate().take((width / 2 - 1) / 2) {
             let at = |k: usize| [z[2 * k], z[2 * k + 1]];
             let of_row = &mut rows[m * width..(m + 1) * width];
             let mut own = [T::from(0.0); 6];
-            let nodes = [at(0), at(1 + 2 * m), at(2 + 2 * m)];
-            slip::point_on_facet(nodes.as_flattened(), self.sides.weights[*row as usize], self.starts[p].round.is_some(), &mut own);
+            let (nodes, weight) = ([at(0), at(1 + 2 * m), at(2 + 2 * m)], self.sides.weights[*row as usize]);
+            match self.starts[p].profile_between([places[1 + 2 * m], places[2 + 2 * m]]) {
+                Some(profile) => own = slip_on_curves::point_on_curve(nodes.as_flattened(), weight, profile),
+                None => slip::point_on_facet(nodes.as_flattened(), weight, self.starts[p].round.is_some(), &mut own),
+            }
             of_row[..2].copy_from_slice(&own[..2]);
             of_row[2 + 4 * m..6 + 4 * m].copy_from_slice(&own[2..]);
             covered[m] = 1.0;

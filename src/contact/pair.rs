@@ -328,19 +328,35 @@ pub fn tangent_into(test: &Offsets, trial: &Offsets, share: f64, g: &Invariants,
     }
 }
 
-/// Weights `int N_A N_B ds / |t|` of the four nodes `(x_1, x_2, y_1, y_2)` in the slips of a pair, those of the primary nodes with negative
-/// sign, and the secondary facet vector `t`. `None` without overlap.
-pub fn slip_weights<T: Number>(z: &[T]) -> Option<(PerNode<[T; 4]>, [T; 2])> {
+/// Overlap of a facet pair in secondary coordinates, in numbers with derivatives.
+pub struct SlipOverlap<T> {
+    /// Secondary facet vector.
+    pub t: [T; 2],
+    /// Coordinates of the projected primary nodes.
+    pub projections: [T; 2],
+    /// Ends of the overlap.
+    pub ends: [T; 2],
+}
+
+/// Overlap of a pair with the node positions `(x_1, x_2, y_1, y_2)`; `None` where the facets do not face each other or do not overlap.
+pub fn slip_overlap<T: Number>(z: &[T]) -> Option<SlipOverlap<T>> {
     let from = |k: usize| [z[2 * k] - z[0], z[2 * k + 1] - z[1]];
     let [t, d_1, d_2] = [1, 2, 3].map(from);
     let square = t[0] * t[0] + t[1] * t[1];
     let [s_1, s_2] = [d_1, d_2].map(|d| (t[0] * d[0] + t[1] * d[1]) / square);
-    let extent = s_1 - s_2;
-    if extent.re() <= FACING || s_1.re() <= 0.0 || s_2.re() >= 1.0 {
+    if (s_1 - s_2).re() <= FACING || s_1.re() <= 0.0 || s_2.re() >= 1.0 {
         return None;
     }
     let a = if s_2.re() > 0.0 { s_2 } else { T::from(0.0) };
     let b = if s_1.re() < 1.0 { s_1 } else { T::from(1.0) };
+    Some(SlipOverlap { t, projections: [s_1, s_2], ends: [a, b] })
+}
+
+/// Weights `int N_A N_B ds / |t|` of the four nodes `(x_1, x_2, y_1, y_2)` in the slips of a pair, those of the primary nodes with negative
+/// sign, and the secondary facet vector `t`. `None` without overlap.
+pub fn slip_weights<T: Number>(z: &[T]) -> Option<(PerNode<[T; 4]>, [T; 2])> {
+    let SlipOverlap { t, projections: [s_1, s_2], ends: [a, b] } = slip_overlap(z)?;
+    let extent = s_1 - s_2;
     let (middle, half) = ((a + b) * 0.5, (b - a) * 0.5);
     // Two Gauss points are exact.
     let mut standard = [[T::from(0.0); 4]; 2];

@@ -34,7 +34,7 @@ impl SlipRows for RigidInPlane {
         self.sides_near(p)[0].is_some()
     }
 
-    fn rows<T: Number>(&self, p: usize, z: &[T], rows: &mut [T], covered: &mut [f64]) -> bool {
+    fn rows<T: Number>(&self, p: usize, _places: &[usize], z: &[T], rows: &mut [T], covered: &mut [f64]) -> bool {
         let middle = self.moved(1);
         let relative = |k: usize| [0, 1].map(|i| z[2 * k + i] - middle[i]);
         let Some(shape) = &self.sides_near(p)[0] else { return false };

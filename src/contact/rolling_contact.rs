@@ -52,7 +52,7 @@ impl SlipRows for RollingContact<2, PlaneOutline> {
         self.sides_near(p).iter().any(Option::is_some)
     }
 
-    fn rows<T: Number>(&self, p: usize, z: &[T], rows: &mut [T], covered: &mut [f64]) -> bool {
+    fn rows<T: Number>(&self, p: usize, _places: &[usize], z: &[T], rows: &mut [T], covered: &mut [f64]) -> bool {
         let (first, z) = (self.rows_of(p).start, z.as_chunks().0);
         for (m, obstacle_side) in self.sides_near(p).iter().enumerate() {
             let Some((obstacle_side, _)) = obstacle_side else { continue };

@@ -46,9 +46,9 @@ pub trait SlipRows {
     /// `false` if it has no slip.
     fn places(&self, p: usize, z: &[f64], places: &mut Vec<usize>) -> bool;
 
-    /// Writes the slip gradients of contact element `p` into `rows`, which are zero before, for the positions `z` of the nodes of
-    /// [`SlipRows::places`], and the covered measure of each constraint into `covered`; `false` if it has no slip.
-    fn rows<T: Number>(&self, p: usize, z: &[T], rows: &mut [T], covered: &mut [f64]) -> bool;
+    /// Writes the slip gradients of contact element `p` into `rows`, which are zero before, for the positions `z` of the nodes at
+    /// `places`, see [`SlipRows::places`], and the covered measure of each constraint into `covered`; `false` if it has no slip.
+    fn rows<T: Number>(&self, p: usize, places: &[usize], z: &[T], rows: &mut [T], covered: &mut [f64]) -> bool;
 
     /// True if rigid motions of the contact element have no slip; false if the other side is an obstacle.
     fn is_relative(&self, _p: usize) -> bool {
@@ -163,7 +163,7 @@ impl Scratch {
             self.rows.clear();
             self.rows.resize(count, Jet::from(0.0));
             self.covered.fill(0.0);
-            if !projected(kernel, p, &self.jets, &mut self.rows, &mut self.covered) {
+            if !projected(kernel, p, &self.places, &self.jets, &mut self.rows, &mut self.covered) {
                 return false;
             }
             for (entry, jet) in self.rows.iter().enumerate() {
@@ -211,8 +211,8 @@ impl Scratch {
 }
 
 /// Slip gradients of a contact element without rigid motions, `P g_A`.
-fn projected<T: Number>(kernel: &impl SlipRows, p: usize, z: &[T], rows: &mut [T], covered: &mut [f64]) -> bool {
-    if !kernel.rows(p, z, rows, covered) {
+fn projected<T: Number>(kernel: &impl SlipRows, p: usize, places: &[usize], z: &[T], rows: &mut [T], covered: &mut [f64]) -> bool {
+    if !kernel.rows(p, places, z, rows, covered) {
         return false;
     }
     if kernel.is_relative(p) {

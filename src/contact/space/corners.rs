@@ -441,7 +441,7 @@ impl SlipsInSpace for CornersInSpace {
         let row = self.sides.patches.rows(p)[place] as usize;
         let (of_gap, weight) = (measure.weights(z), self.sides.weights[row]);
         let weights = std::array::from_fn(|k| of_gap.get(k).map_or(T::from(0.0), |w| *w * weight));
-        vec![Group { place, weights, tangents, covered: 1.0 }]
+        vec![Group { place, weights, normal: measure.normal_part(z, &tangents, weight), tangents, covered: 1.0 }]
     }
 }
 

@@ -11,10 +11,12 @@
 //! gradient of the edge gap is `-n (1 - s)`, `-n s`, `n (1 - t)`, `n t` with the feet `s`, `t` of the common perpendicular, where the terms
 //! with the derivative of `n` vanish. All functions are generic in the number type, so that numbers with derivatives give the Hessian.
 
+use super::curve_slip::NormalPart;
 use super::forms::{Form, derivatives, value};
 use super::profiles::Profile;
 use super::stretch::{Stretch, Stretched};
 use super::vectors::{self, FacetFrame, Gradient, Jet, Vec3, cross, diagonal_ends, diagonals, dot, scaled, sub};
+use super::vertices;
 use crate::contact::numbers::Number;
 
 /// Largest number of nodes of a constraint.
@@ -182,6 +184,36 @@ impl Measure {
         }
     }
 
+    /// Weights along the normal of a triangle with a height profile in the slips along both tangents, see `curve_slip.rs`, times the area
+    /// of the vertex; `None` for flat facets and edges. With the height `B` and the gradient `b` of the profile they are `t.b` for the
+    /// vertex and `B t.grad M_k - M_k t.b` for the corners of the triangle.
+    pub fn normal_part<T: Number>(self, z: &[Vec3<T>], tangents: &[Vec3<T>; 2], area: f64) -> Option<NormalPart<T>> {
+        let Measure::Over(first, form, stretch) = self else { return None };
+        if form == [0.0; 6] {
+            return None;
+        }
+        let [v, y_0, y_1, y_2] = triangle(z, first);
+        let Plane { normal, duals, shares, .. } = Plane::new(v, [y_0, y_1, y_2]);
+        let rises = scaled(derivatives(&form, &shares), stretch.at(&z[1..]).by);
+        let height = value(&rises, &shares);
+        let mut weights = [[T::from(0.0); vertices::NODES]; 2];
+        for (weights, tangent) in weights.iter_mut().zip(tangents) {
+            let along = [dot(*tangent, duals[0]) * area, dot(*tangent, duals[1]) * area];
+            let rise = along[0] * (rises[1] - rises[0]) + along[1] * (rises[2] - rises[0]);
+            let slopes = [-(along[0] + along[1]), along[0], along[1]];
+            let corners: [T; 3] = std::array::from_fn(|k| height * slopes[k] - shares[k] * rise);
+            weights[0] = rise;
+            let Some(k) = first else {
+                weights[1..4].copy_from_slice(&corners);
+                continue;
+            };
+            (1..5).for_each(|node| weights[node] = corners[2] * 0.25);
+            weights[1 + k] += corners[0];
+            weights[1 + (k + 1) % 4] += corners[1];
+        }
+        Some(NormalPart { normal, weights })
+    }
+
     /// Gap function of a vertex against the triangle of the facet below it.
     pub fn above(z: &[Vec3<f64>], profile: &Profile) -> Measure {
         let first = (z.len() > 4).then(|| foot(z[0], &z[1..]).0);
@@ -213,18 +245,37 @@ fn triangle<T: Number>(z: &[Vec3<T>], first: Option<usize>) -> [Vec3<T>; 4] {
     [z[0], y[k], y[(k + 1) % 4], middle]
 }
 
+/// Plane of a triangle below a vertex.
+struct Plane<T> {
+    normal: Vec3<T>,
+    /// Dual vectors of the sides from the first corner: gradients of the second and third shape function.
+    duals: [Vec3<T>; 2],
+    /// Shape functions at the projection of the vertex.
+    shares: [T; 3],
+    /// Distance of the vertex from the plane `[length]`.
+    distance: T,
+}
+
+impl<T: Number> Plane<T> {
+    #[inline(always)]
+    fn new(v: Vec3<T>, [y_0, y_1, y_2]: [Vec3<T>; 3]) -> Self {
+        let [first, second, arm] = [sub(y_1, y_0), sub(y_2, y_0), sub(v, y_0)];
+        let spread = Spread::new([first, second]);
+        let (n, inverse) = (spread.normal, spread.length.recip());
+        let duals = [scaled(cross(second, n), inverse), scaled(cross(n, first), inverse)];
+        let [of_first, of_second] = [dot(arm, duals[0]), dot(arm, duals[1])];
+        let shares = [-(of_first + of_second) + 1.0, of_first, of_second];
+        Plane { normal: n, duals, shares, distance: dot(arm, n) }
+    }
+}
+
 /// Gap `g` of a vertex over a triangle, height of the profile there, and the gradient of their difference for a constant factor `by` of
 /// the profile. With the dual vectors `e_a` of the sides `d_a` and the gradient `b` of the profile it is
 /// `(n - b).(dv - sum M_k dy_k) - g sum (b.e_a) n.dd_a`.
 #[inline(always)]
 fn over<T: Number>([v, y_0, y_1, y_2]: [Vec3<T>; 4], form: &Form, by: T) -> (T, T, [Vec3<T>; 4]) {
-    let [first, second, arm] = [sub(y_1, y_0), sub(y_2, y_0), sub(v, y_0)];
-    let spread = Spread::new([first, second]);
-    let (n, inverse) = (spread.normal, spread.length.recip());
-    let duals = [scaled(cross(second, n), inverse), scaled(cross(n, first), inverse)];
-    let [of_first, of_second] = [dot(arm, duals[0]), dot(arm, duals[1])];
-    let shares = [-(of_first + of_second) + 1.0, of_first, of_second];
-    let (rises, flat) = (scaled(derivatives(form, &shares), by), dot(arm, n));
+    let Plane { normal: n, duals, shares, distance: flat } = Plane::new(v, [y_0, y_1, y_2]);
+    let rises = scaled(derivatives(form, &shares), by);
     let slopes = [rises[1] - rises[0], rises[2] - rises[0]];
     let (mut slope, mut push) = ([T::from(0.0); 3], n);
     for i in 0..3 {

@@ -4,6 +4,7 @@
 //! each pair is projected orthogonally to the rigid motions of its nodes at mid-step, so that energy, linear and angular momentum are exact
 //! while facets slide.
 
+use super::curve_slip::PlaneTangents;
 use super::dual::{Duals, MultiplierFunctions};
 use super::gaps::Measure;
 use super::pair::{Gradients, Pair};
@@ -41,8 +42,8 @@ pub struct MortarInSpace {
     profiles: [Vec<Profile>; 2],
     /// Heights of the curves above the nodes of both sides.
     heights: [Vec<f64>; 2],
-    /// Direction of the tangents at each node of each facet: cosine and sine of the angle to the facet's first axis.
-    turns: Vec<Vec<[f64; 2]>>,
+    /// Tangents at each node of each secondary facet, in its axes.
+    tangents: Vec<Vec<PlaneTangents>>,
     /// Threads that evaluate the pairs.
     workers: Workers,
     /// Variant of the discrete gradient.
@@ -132,15 +133,16 @@ impl MortarInSpace {
         let ProxySurfacesInSpace { secondary, primary, reference, .. } = surfaces;
         let sides = Sides::of(secondary.clone(), primary.clone(), reference);
         let search = PairSearch::new(&sides, reference, SEARCH_MARGIN * sides.facet_size);
-        let turns = slip::turns(&sides.secondary, reference);
+        let profiles = [surfaces.secondary_profiles(), surfaces.primary_profiles()];
+        let tangents = slip::plane_tangents(&sides.secondary, reference, &profiles[0]);
         MortarInSpace {
             sides,
             search,
             q_0: Vec::new(),
             start: Vec::new(),
-            profiles: [surfaces.secondary_profiles(), surfaces.primary_profiles()],
+            profiles,
             heights: [0, 1].map(|side| surfaces.heights(side)),
-            turns,
+            tangents,
             workers: Workers::default(),
             correction: Correction::default(),
             duals: None,
@@ -148,7 +150,7 @@ impl MortarInSpace {
     }
 
     /// Height profiles of the facets of pair `p`.
-    fn profiles(&self, p: usize) -> [&Profile; 2] {
+    pub(super) fn profiles(&self, p: usize) -> [&Profile; 2] {
         let [own, other] = self.search.candidates.pairs()[p];
         [&self.profiles[0][own as usize], &self.profiles[1][other as usize]]
     }
@@ -158,9 +160,9 @@ impl MortarInSpace {
         self.duals.as_ref().map_or(&MultiplierFunctions::STANDARD, |duals| duals.shape(self.search.candidates.pairs()[p][0]))
     }
 
-    /// Direction of the tangents at the secondary nodes of pair `p`.
-    pub(super) fn turns(&self, p: usize) -> &[[f64; 2]] {
-        &self.turns[self.search.candidates.pairs()[p][0] as usize]
+    /// Tangents at the secondary nodes of pair `p`, in the axes of the secondary facet.
+    pub(super) fn tangents(&self, p: usize) -> &[PlaneTangents] {
+        &self.tangents[self.search.candidates.pairs()[p][0] as usize]
     }
 
     /// Numbers of nodes of both facets of pair `p`.

@@ -19,6 +19,7 @@
 //! `stiffness.rs` has the Hessian.
 
 use super::clipping::VERTICES;
+use super::curve_slip::{DifferentiatedNormalTerms, NormalTerms, NormalWeights};
 use super::polygon::Polygon;
 use super::profiles::Profile;
 use super::stiffness::Hessian;
@@ -228,6 +229,18 @@ impl Pair<f64> {
         dispatch(MortarWeights { view: &self.view, polygons: &self.polygons })
     }
 
+    /// Weights along the normal in the slips, see `curve_slip.rs`; `None` between flat facets.
+    pub fn normal_weights(&self) -> Option<NormalWeights<f64>> {
+        self.view.curves.is_some().then(|| dispatch(NormalTerms { view: &self.view, polygons: &self.polygons }))
+    }
+
+    /// [`Pair::normal_weights`] with their derivatives with respect to the node positions; `first` is the first plane axis with its
+    /// derivatives.
+    pub fn differentiated_normal_weights(&self, first: &Vec3<OfNodes>) -> Option<NormalWeights<OfNodes>> {
+        let terms = || dispatch(DifferentiatedNormalTerms { view: &self.view, polygons: &self.polygons, first });
+        self.view.curves.is_some().then(terms)
+    }
+
     /// Writes `share` times the derivatives of [`Pair::gradient`], row-major over the unknowns of the nodes.
     pub fn hessian_into(&self, weights: &[f64; CORNERS], band: f64, share: f64, out: &mut [f64]) {
         dispatch(Hessian { view: &self.view, polygons: &self.polygons, weights, band, share, out });
@@ -271,7 +284,7 @@ mod tests {
     use proptest::strategy::ValueTree;
     use proptest::test_runner::RngSeed;
 
-    use super::super::vectors::{cross, jets};
+    use super::super::vectors::{FacetFrame, cross, dot, jets};
     use super::*;
     use crate::math::tolerances::EDGES_MEET;
 
@@ -527,6 +540,75 @@ mod tests {
                 assert!((own.re - other.re).abs() < 1e-14);
                 assert!(own.eps.iter().zip(&other.eps).all(|(a, b)| (a - b).abs() < 1e-12), "{shift}: {own:?} {other:?}");
             }
+        }
+    }
+
+    /// Weights along the normal have zero sum, and their derivatives are those of their difference quotients.
+    #[test]
+    fn normal_weights_agree_with_differences() {
+        let mut runner = proptest::test_runner::TestRunner::deterministic();
+        let (mut overlaps, mut smooth) = (0, 0);
+        for (counts, kind) in [[4, 4], [3, 4], [4, 3], [3, 3]].repeat(20).into_iter().zip([1, 2, 2].into_iter().cycle()) {
+            let x = nodes(counts).new_tree(&mut runner).unwrap().current();
+            let direction: Vec<f64> = (0..3 * x.len()).map(|k| (1.7 * k as f64 + 0.4).sin()).collect();
+            let plain = |h: f64| {
+                let moved: Vec<Vec3<f64>> =
+                    x.iter().enumerate().map(|(k, x)| std::array::from_fn(|i| x[i] + h * direction[3 * k + i])).collect();
+                pair(&moved, counts, kind).normal_weights().expect("facets are curved")
+            };
+            let at = pair(&x, counts, kind);
+            if !at.overlaps() {
+                continue;
+            }
+            overlaps += 1;
+            let frame = FacetFrame::new(&jets::<24>(x[..counts[0]].as_flattened(), 0)).unwrap();
+            let weights = at.differentiated_normal_weights(&frame.axes[0]).unwrap();
+            let quotient = |h: f64| {
+                let (above, below) = (plain(h), plain(-h));
+                let parts = above.as_flattened().as_flattened().iter().zip(below.as_flattened().as_flattened());
+                parts.map(|(a, b)| (a - b) / (2.0 * h)).collect::<Vec<f64>>()
+            };
+            let (fine, coarse) = (quotient(1e-5), quotient(2e-5));
+            let values = plain(0.0);
+            for (k, (own, value)) in weights.as_flattened().as_flattened().iter().zip(values.as_flattened().as_flattened()).enumerate() {
+                assert!((own.re - value).abs() < 1e-15);
+                let slope = own.eps.iter().zip(&direction).map(|(a, b)| a * b).sum::<f64>();
+                // Differences across a kink, where edges coincide, depend on their width.
+                if (fine[k] - coarse[k]).abs() < 1e-8 {
+                    smooth += 1;
+                    assert!((slope - fine[k]).abs() < 1e-6, "{counts:?} {kind}: {slope} {}", fine[k]);
+                }
+            }
+            for list in values.as_flattened() {
+                assert!(list.iter().sum::<f64>().abs() < 1e-15, "{list:?}");
+            }
+        }
+        assert!(overlaps > 40 && smooth > 50 * overlaps, "{overlaps} {smooth}");
+    }
+
+    /// Concentric cylinders that turn against each other slide by the angle times the radius, measured by the area of the cylinder.
+    #[test]
+    fn concentric_cylinders_slide_by_the_angle_times_their_radius() {
+        for angle in [0.15_f64, 0.075] {
+            let at = |phi: f64, y: f64| [phi.sin(), y, phi.cos() - 1.0];
+            let own = [at(-angle, 0.0), at(angle, 0.0), at(angle, 1.0), at(-angle, 1.0)];
+            let other = [at(-angle, 1.2), at(angle, 1.2), at(angle, -0.2), at(-angle, -0.2)];
+            let x: Vec<Vec3<f64>> = own.into_iter().chain(other).collect();
+            // Height that preserves the area of the circular segment, along two sides of the facets.
+            let sagitta = 0.5 * angle.sin() * angle * (1.0 + 2.0 / 15.0 * angle * angle);
+            let curved = |sign: f64| Profile::new(&[0.0; 4], &[sign * sagitta, 0.0, sign * sagitta, 0.0]);
+            let pair = Pair::new(&x, [4, 4]).unwrap().curved([&curved(1.0), &curved(-1.0)]);
+            let ([first, _, normal], weights, along) = (pair.axes(), pair.mortar_weights(), pair.normal_weights().unwrap());
+            // Displacement of the secondary nodes in a rotation about the axis by a unit angle.
+            let motion = |x: &Vec3<f64>| [x[2] + 1.0, 0.0, -x[0]];
+            let (mut flat, mut curve) = (0.0, 0.0);
+            for (a, k) in (0..4).flat_map(|a| (0..4).map(move |k| (a, k))) {
+                flat += weights[a][k] * dot(first, motion(&x[k]));
+                curve += along[a][0][k] * dot(normal, motion(&x[k]));
+            }
+            let square = angle * angle;
+            assert!((flat + curve - 2.0 * angle).abs() < 0.02 * square * angle, "{angle}: {flat} {curve}");
+            assert!((flat - 2.0 * angle).abs() > 0.5 * square * angle, "{angle}: {flat}");
         }
     }
 

@@ -54,7 +54,7 @@ impl SlipsInSpace for RigidInSpace {
             let normal = std::array::from_fn(|i| slip::linear(normal[i], &[0, 1, 2].map(|k| curvature[(i, k)]), z));
             let mut weights = [T::from(0.0); NODES];
             weights[0] = T::from(self.weight(p));
-            covered.then(|| Group { place, weights, tangents: slip::tangents(normal, axis), covered: 1.0 })
+            covered.then(|| Group { place, weights, tangents: slip::tangents(normal, axis), covered: 1.0, normal: None })
         };
         self.sides_near(p).iter().enumerate().filter_map(group).collect()
     }

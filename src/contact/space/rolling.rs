@@ -23,7 +23,7 @@ impl SlipsInSpace for RollingContact<3, Shape> {
             for (weight, share) in weights.iter_mut().zip(shares) {
                 *weight = share * self.weight(first + place);
             }
-            Some(Group { place, weights, tangents: slip::tangents(normal, axis), covered: 1.0 })
+            Some(Group { place, weights, tangents: slip::tangents(normal, axis), covered: 1.0, normal: None })
         };
         self.sides_near(p).iter().enumerate().filter_map(group).collect()
     }

@@ -429,7 +429,7 @@ impl SlipsInSpace for RoundInSpace {
         let x: [Vec3<T>; 1] = [std::array::from_fn(|i| z[0][i] + (z[1][i] - z[0][i]) * share)];
         let bend = found.at.curvature;
         let normal = std::array::from_fn(|i| slip::linear(found.at.normal[i], &[0, 1, 2].map(|k| bend[(i, k)]), &x));
-        vec![Group { place: 0, weights, tangents: slip::tangents(normal, axis), covered: 1.0 }]
+        vec![Group { place: 0, weights, tangents: slip::tangents(normal, axis), covered: 1.0, normal: None }]
     }
 
     fn carrier(&self) -> Option<Carrier> {

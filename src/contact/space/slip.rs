@@ -6,7 +6,8 @@
 //! u_Ak = sum_patches G_Ak(q_mid) d,    G_Ak d = t_k . sum_j w_Aj (P d)_j          [length^3]
 //! ```
 //!
-//! with the weights `w` of the gap, whose sum is zero, and two tangents. `P` removes the rigid motions of `q_mid` from the displacement of
+//! with the weights `w` of the gap, whose sum is zero, and two tangents; curved facets have further weights along their normal
+//! (`curve_slip.rs`). `P` removes the rigid motions of `q_mid` from the displacement of
 //! a contact element, so that forces have zero resultant and moment, and rigid motions of any size have no slip. `P` is symmetric: the
 //! force of multipliers `tau` is `P` applied to `sum_A w_Aj (tau_A1 t_1 + tau_A2 t_2)`.
 //!
@@ -14,6 +15,8 @@
 //! configuration, so that the facets around a node agree. Multiplier components keep their meaning from step to step, without transport as
 //! a body rotates.
 
+use super::curve_slip::{self, NormalPart, PlaneTangents};
+use super::profiles::Profile;
 use super::rigid_part::RigidPart;
 use super::vectors::{FacetFrame, Vec3, cross, dot, jets, scaled, sub};
 use super::vertices::{CORNERS, NODES, OfNodes, UNKNOWNS};
@@ -32,10 +35,12 @@ pub struct Group<T> {
     pub place: usize,
     /// Weights of the nodal displacements, with zero sum `[length^2]`.
     pub weights: [T; NODES],
-    /// Unit tangents along which slip is measured.
+    /// Tangents along which slip is measured, of unit length or that of the curved area per area of the facet.
     pub tangents: [Vec3<T>; 2],
     /// Covered measure of the constraint.
     pub covered: f64,
+    /// Weights along the normal of curved facets.
+    pub normal: Option<NormalPart<T>>,
 }
 
 /// Slip definition of a contact kernel in space.
@@ -101,31 +106,35 @@ impl Carrier {
 impl Group<OfNodes> {
     fn values(&self) -> Group<f64> {
         let tangents = self.tangents.map(|tangent| tangent.map(|x| x.re));
-        Group { place: self.place, weights: self.weights.map(|w| w.re), tangents, covered: self.covered }
+        let normal = self.normal.as_ref().map(NormalPart::values);
+        Group { place: self.place, weights: self.weights.map(|w| w.re), tangents, covered: self.covered, normal }
     }
 }
 
 impl Group<f64> {
     /// Gradient of the slip along a tangent with respect to the displacements of `count` nodes, with their rigid motions.
     fn row(&self, tangent: usize, count: usize) -> Vec<Vec3<f64>> {
-        self.weights[..count].iter().map(|weight| scaled(self.tangents[tangent], *weight)).collect()
+        let mut row: Vec<Vec3<f64>> = self.weights[..count].iter().map(|weight| scaled(self.tangents[tangent], *weight)).collect();
+        if let Some(NormalPart { normal, weights }) = &self.normal {
+            row.iter_mut().zip(&weights[tangent]).for_each(|(row, weight)| (0..3).for_each(|i| row[i] += weight * normal[i]));
+        }
+        row
     }
 }
 
-/// Tangential constraints of the secondary nodes of a facet, from the weights, covered measures and axes of the facet, with the directions
-/// `turns` of the tangents in its plane.
+/// Tangential constraints of the secondary nodes of a facet, from the weights, covered measures and axes of the facet, with the tangents of
+/// each node in its plane.
 pub fn groups_of<T: Number>(
     weights: &[[T; NODES]],
     covered: [f64; CORNERS],
     [first, second, _]: [Vec3<T>; 3],
-    turns: &[[f64; 2]],
+    tangents: &[PlaneTangents],
 ) -> Vec<Group<T>> {
-    let along = |cos: f64, sin: f64| -> Vec3<T> { std::array::from_fn(|i| first[i] * cos + second[i] * sin) };
-    let group = |(place, &[cos, sin]): (usize, &[f64; 2])| {
-        let tangents = [along(cos, sin), along(-sin, cos)];
-        Group { place, weights: weights[place], tangents, covered: covered[place] }
+    let group = |(place, tangents): (usize, &PlaneTangents)| {
+        let tangents = tangents.map(|[x, y]| -> Vec3<T> { std::array::from_fn(|i| first[i] * x + second[i] * y) });
+        Group { place, weights: weights[place], tangents, covered: covered[place], normal: None }
     };
-    turns.iter().enumerate().map(group).collect()
+    tangents.iter().enumerate().map(group).collect()
 }
 
 /// Evaluates slips (as gaps of `out`), their gradients at the end of the step, the gradients that transmit forces, and if requested the
@@ -283,6 +292,9 @@ impl Kernel for SlipSlopes<'_> {
                         slopes[lane] += tangent[i].eps[lane] * sum[i];
                     }
                 }
+                if let Some(normal) = &group.normal {
+                    normal.add_slopes(k, self.motion, &mut slopes);
+                }
                 let begin = (2 * group.place + k) * self.width;
                 for (out, slope) in self.out[begin..begin + self.width].iter_mut().zip(&slopes) {
                     *out += 0.5 * slope;
@@ -323,6 +335,9 @@ impl Kernel for ForceSlopes<'_> {
                     }
                 }
             }
+            if let Some(normal) = &group.normal {
+                normal.add_force_slopes(shear, &mut slopes);
+            }
         }
         if let Some(rigid) = self.rigid {
             rigid.remove_from_slopes(self.forces, &mut slopes);
@@ -354,9 +369,18 @@ pub fn linear<T: Number>(value: f64, derivative: &[f64], z: &[Vec3<T>]) -> T {
     derivative.iter().zip(z.as_flattened()).fold(T::from(value), by)
 }
 
+/// Tangents at the nodes of each facet, in the axes of the facet, see [`curve_slip::tangents`].
+pub fn plane_tangents(surface: &Surface, reference: &[f64], profiles: &[Profile]) -> Vec<Vec<PlaneTangents>> {
+    let of_facet = |(facet, turns): (usize, Vec<[f64; 2]>)| {
+        let nodes: Vec<Vec3<f64>> = surface.facet(facet).iter().map(|&node| faces::at(node, reference).into()).collect();
+        curve_slip::tangents(&profiles[facet], &nodes, turns)
+    };
+    turns(surface, reference).into_iter().enumerate().map(of_facet).collect()
+}
+
 /// Cosine and sine of the angle between the first axis of each facet and the first tangent of each of its nodes. A node's tangent is that
 /// of its first facet, projected to the mean tangent plane.
-pub fn turns(surface: &Surface, reference: &[f64]) -> Vec<Vec<[f64; 2]>> {
+fn turns(surface: &Surface, reference: &[f64]) -> Vec<Vec<[f64; 2]>> {
     let axes = |facet: usize| {
         let nodes: Vec<Vec3<f64>> = surface.facet(facet).iter().map(|&node| faces::at(node, reference).into()).collect();
         FacetFrame::new(&nodes).map(|frame| frame.axes)

@@ -32,22 +32,28 @@ pub struct MortarWeights<'a> {
 }
 
 /// Number of corners of two triangles, padded to whole registers.
-const SHAPES: usize = 8;
+pub const SHAPES: usize = 8;
 
 /// Derivatives of the integrals of a shape function with those of both triangles, with respect to the plane coordinates of their corners.
-type Slopes = [[[f64; SHAPES]; 2]; 6];
+pub type Slopes = [[[f64; SHAPES]; 2]; 6];
 
 /// Number with its derivatives with respect to the plane coordinates of the corners of both triangles.
-type OfCorners = Jet<12>;
+pub type OfCorners = Jet<12>;
 
 /// Sums over polygons: for each secondary point (nodes, then the mean point), the integrals of its shape function with those of all points,
 /// and their derivatives with respect to the plane coordinates of all points.
-struct Sums {
+pub struct Sums {
     values: [[f64; POINTS]; CORNERS + 1],
     slopes: [[[[f64; POINTS]; 2]; POINTS]; CORNERS + 1],
 }
 
 impl Sums {
+    /// Sums over no polygon.
+    #[inline(always)]
+    pub fn empty() -> Self {
+        Sums { values: [[0.0; POINTS]; CORNERS + 1], slopes: [[[[0.0; POINTS]; 2]; POINTS]; CORNERS + 1] }
+    }
+
     #[inline(always)]
     fn add(&mut self, view: &View<f64>, polygon: &Polygon<f64>, edges: Edges) {
         let places = view.places(&polygon.corners);
@@ -116,13 +122,13 @@ impl Sums {
 
     /// Adds the integrals of a polygon, and their derivatives, to the points of its triangles.
     #[inline(always)]
-    fn add_to_points(&mut self, corners: &PerTriangle<usize>, integrals: &[[f64; SHAPES]; 3], slopes: &[Slopes; 3]) {
+    pub fn add_to_points(&mut self, corners: &PerTriangle<usize>, integrals: &[[f64; SHAPES]; 3], slopes: &[Slopes; 3]) {
         let points = [corners[0][0], corners[0][1], corners[0][2], corners[1][0], corners[1][1], corners[1][2]];
+        self.add_values(corners, integrals);
         for a in 0..3 {
             let row = points[a].min(CORNERS);
             for s in 0..6 {
                 let sign = if s < 3 { 1.0 } else { -1.0 };
-                self.values[row][points[s]] += sign * integrals[a][s];
                 for corner in 0..6 {
                     for i in 0..2 {
                         self.slopes[row][points[corner]][i][points[s]] += sign * slopes[a][corner][i][s];
@@ -132,15 +138,43 @@ impl Sums {
         }
     }
 
-    /// Sums of secondary node `node`, with the shares of the mean points: values, and derivatives with respect to the nodes' plane
-    /// coordinates, both for each node.
+    /// Adds the integrals of a polygon without derivatives.
     #[inline(always)]
-    fn of_node(&self, view: &View<f64>, node: usize) -> ([f64; NODES], [[Each<NODES>; 2]; NODES]) {
+    pub fn add_values(&mut self, corners: &PerTriangle<usize>, integrals: &[[f64; SHAPES]; 3]) {
+        for a in 0..3 {
+            let row = corners[0][a].min(CORNERS);
+            for s in 0..6 {
+                let sign = if s < 3 { 1.0 } else { -1.0 };
+                self.values[row][corners[s / 3][s % 3]] += sign * integrals[a][s];
+            }
+        }
+    }
+
+    /// Values of secondary node `node` for each node, with the shares of the mean points.
+    #[inline(always)]
+    pub fn values_of_node(&self, view: &View<f64>, node: usize) -> [f64; NODES] {
         let share = 1.0 / view.counts[0] as f64;
-        let (mut values, mut slopes) = (self.values[node], self.slopes[node]);
+        let mut values = self.values[node];
         for s in 0..POINTS {
             values[s] += share * self.values[CORNERS][s];
         }
+        let mut of_nodes = [0.0; NODES];
+        of_nodes.copy_from_slice(&values[..NODES]);
+        for mean in [NODES, NODES + 1] {
+            let (nodes, share) = view.shares(mean);
+            for node in nodes {
+                of_nodes[node] += share * values[mean];
+            }
+        }
+        of_nodes
+    }
+
+    /// Sums of secondary node `node`, with the shares of the mean points: values, and derivatives with respect to the nodes' plane
+    /// coordinates, both for each node.
+    #[inline(always)]
+    pub fn of_node(&self, view: &View<f64>, node: usize) -> ([f64; NODES], [[Each<NODES>; 2]; NODES]) {
+        let share = 1.0 / view.counts[0] as f64;
+        let mut slopes = self.slopes[node];
         for point in 0..POINTS {
             for i in 0..2 {
                 for s in 0..POINTS {
@@ -148,12 +182,10 @@ impl Sums {
                 }
             }
         }
-        let (mut of_nodes, mut of_p) = ([0.0; NODES], [[Each([0.0; NODES]); 2]; NODES]);
-        of_nodes.copy_from_slice(&values[..NODES]);
+        let mut of_p = [[Each([0.0; NODES]); 2]; NODES];
         for mean in [NODES, NODES + 1] {
             let (nodes, share) = view.shares(mean);
             for node in nodes {
-                of_nodes[node] += share * values[mean];
                 for i in 0..2 {
                     for s in 0..POINTS {
                         slopes[node][i][s] += share * slopes[mean][i][s];
@@ -172,7 +204,7 @@ impl Sums {
                 }
             }
         }
-        (of_nodes, of_p)
+        (self.values_of_node(view, node), of_p)
     }
 }
 
@@ -254,7 +286,7 @@ impl Kernel for MortarWeights<'_> {
 
     #[inline(always)]
     fn run<const FMA: bool>(self) -> Self::Output {
-        let mut sums = Sums { values: [[0.0; POINTS]; CORNERS + 1], slopes: [[[[0.0; POINTS]; 2]; POINTS]; CORNERS + 1] };
+        let mut sums = Sums::empty();
         let mut has_coinciding = false;
         for polygon in self.polygons {
             has_coinciding |= coincides(polygon, Edges::Outer);

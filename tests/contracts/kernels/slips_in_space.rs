@@ -6,8 +6,8 @@ use proptest::test_runner::RngSeed;
 use super::fixtures::{dense_rows_of, difference, evaluated, product, stored, tangent_along};
 use super::{in_space, unbalance_in_space};
 use conserva::contact::{
-    ContactKernel, CornersInSpace, DUAL_MORTAR, Evaluation, MORTAR, Obstacle, ObstacleInSpace, PredictedMotion, ProxySurfacesInSpace,
-    RoundInSpace, SlipStep, Surface, rigid_contact,
+    ContactKernel, CornersInSpace, DUAL_MORTAR, Evaluation, MORTAR, NODE_TO_SEGMENT, Obstacle, ObstacleInSpace, PredictedMotion,
+    ProxySurfacesInSpace, RoundInSpace, SlipStep, Surface, rigid_contact,
 };
 use conserva::integrators::{Configuration, Derivative};
 
@@ -30,6 +30,15 @@ fn kernels(q: &[f64]) -> Vec<Box<dyn ContactKernel>> {
     kernels.extend(CornersInSpace::kernel(&seen));
     // For dual multipliers: one facet that lies entirely over the other side, so that it is fully covered.
     kernels.push(in_space(&DUAL_MORTAR, &ProxySurfacesInSpace::new([&faces[1], &faces[0]], &base)));
+    // The lower surface is curved in the reference configuration.
+    let bent: Vec<f64> =
+        base.chunks(3).enumerate().flat_map(|(k, x)| [x[0], x[1], x[2] - if k < 9 { 0.08 * (x[0] - 1.0).powi(2) } else { 0.0 }]).collect();
+    for sides in [[&faces[0][..], &faces[1]], [&faces[1], &faces[0]]] {
+        let seen = ProxySurfacesInSpace::new(sides, &bent);
+        kernels.push(in_space(&MORTAR, &seen));
+        kernels.push(in_space(&DUAL_MORTAR, &seen));
+        kernels.push(in_space(&NODE_TO_SEGMENT, &seen));
+    }
     for kernel in &mut kernels {
         kernel.update_candidates(&PredictedMotion::within(q, 1.0));
         kernel.begin_step(q);
