@@ -255,6 +255,11 @@ pub trait PartDefinition: Send + Sync {
     /// Indices of the bodies that the part connects.
     fn bodies(&self) -> Vec<usize>;
 
+    /// Mass that the part adds to a body `[mass]`, per thickness in the plane.
+    fn mass_on(&self, _body: usize) -> f64 {
+        0.0
+    }
+
     /// Values for the history: columns `name.reading`, with their dimensions.
     fn readings(&self) -> &'static [Quantity] {
         &[]

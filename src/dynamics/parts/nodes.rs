@@ -50,7 +50,9 @@ impl<const D: usize> Nodes<D> {
         let rigid = bodies.iter().filter_map(|body| body.rigid.as_ref()).map(|rigid| &rigid.nodes);
         let (component_of, number) = connected_components(count, bodies.iter().flat_map(|body| body.elements.cliques()).chain(rigid));
         let mut component_is_free = vec![true; number];
-        let is_held = |unknown: usize| fixed[unknown] && !followers.contains(&((unknown / D) as u32));
+        // Bodies of revolution only move along their axis, the second direction.
+        let is_rigid_motion = |unknown: usize| !model.is_axisymmetric() || unknown % D == 1;
+        let is_held = |unknown: usize| fixed[unknown] && is_rigid_motion(unknown) && !followers.contains(&((unknown / D) as u32));
         for unknown in (0..fixed.len()).filter(|&unknown| is_held(unknown)) {
             component_is_free[component_of[unknown / D] as usize] = false;
         }

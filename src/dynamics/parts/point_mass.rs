@@ -26,6 +26,10 @@ impl PartDefinition for PointMassDefinition {
         vec![self.node.0]
     }
 
+    fn mass_on(&self, body: usize) -> f64 {
+        if body == self.node.0 { self.mass } else { 0.0 }
+    }
+
     fn check(&self, _point: &dyn Fn(usize, u32) -> [f64; 3]) -> Result<(), ModelError> {
         let is_mass = self.mass >= 0.0 && self.mass.is_finite();
         if is_mass { Ok(()) } else { Err(ModelError::NoMass { part: self.name.clone(), mass: self.mass }) }

@@ -5,7 +5,8 @@
 use nalgebra::{DMatrix, DVector, Vector3, Vector6};
 
 use super::body::Body;
-use crate::dynamics::model::definitions::Model;
+use crate::bodies::Plane;
+use crate::dynamics::model::definitions::{BodyDefinition, Model};
 use crate::dynamics::model::interactions::BodyBoundary;
 use crate::dynamics::model::prescription::{PrescribedMotion, Prescription};
 use crate::dynamics::model::step_error::StepError;
@@ -62,6 +63,9 @@ impl Supports {
                 let supported = (0..D).filter(|&i| support.components[i]);
                 supported.for_each(|i| held.fix(global(&support.on, node, i), number(&support.on)));
             }
+        }
+        for (body, definition) in bodies.iter().zip(&model.bodies).filter(|(body, _)| body.rigid.is_none()) {
+            held.fix_on_axis(body, definition);
         }
         bodies.iter().filter(|body| body.rigid.is_some()).for_each(|body| held.fix_along_edges(body, &model.start(body.number)));
         let (mut motions, mut turning) = (Vec::new(), vec![None; names.len()]);
@@ -171,6 +175,16 @@ impl HeldUnknowns {
     fn fix(&mut self, unknown: usize, owner: Option<usize>) {
         self.fixed[unknown] = true;
         self.owner[unknown] = self.owner[unknown].or(owner);
+    }
+
+    /// Fixes the radial displacements on the axis of a body of revolution: other displacements would open a hole or pass the axis, and the
+    /// stiffness against them is small, because a node on the axis has no circumference.
+    fn fix_on_axis<const D: usize>(&mut self, body: &Body<D>, definition: &BodyDefinition) {
+        if definition.formulation.plane != Plane::Axisymmetric {
+            return;
+        }
+        let on_axis = definition.mesh.points.iter().enumerate().filter(|(_, point)| point[0] == 0.0);
+        on_axis.for_each(|(node, _)| self.fix((body.nodes.start + node) * D, None));
     }
 
     /// Prescribes a component; a later prescription of the same one replaces an earlier one.

@@ -36,7 +36,7 @@ const LONGER: f64 = 1.5;
 const LONGEST: f64 = 4.0;
 
 /// Largest number of successive reductions of a step.
-const MOST_SHORTER: usize = 12;
+const MOST_SHORTER: i32 = 12;
 
 /// Number of bisections of the path segment in which stability changes: to a thousandth of an increment.
 const BISECTIONS: usize = 10;
@@ -104,7 +104,7 @@ where
             }
             let reached = self.state.clone();
             let from = Guess { load: reached.row.time, u: reached.displacements.clone(), lambda: reached.lambda.clone() };
-            let mut failures = 0;
+            let mut failures: i32 = 0;
             let found = loop {
                 let tried = self.rates(&from, options.increment).and_then(|rates| {
                     let tangent = self.respond(&from, &rates)?;
@@ -112,7 +112,8 @@ where
                         arc = options.increment.abs() * norm(&tangent.per_load);
                         first = Some(arc);
                     }
-                    self.next_point(&from, (&tangent, &rates), before.as_deref(), arc, options)
+                    let increment = options.increment.abs() * SHORTER.powi(failures);
+                    self.next_point(&from, (&tangent, &rates), before.as_deref(), (arc, increment), options)
                 });
                 match tried {
                     Ok(found) => break Ok(found),
@@ -157,7 +158,8 @@ where
     /// Locates the load of a bifurcation: by bisection on the number of negative eigenvalues, then from the eigenvalues that change sign,
     /// if found. If several vanish at one load, their order differs at both ends, and only close ends distinguish them.
     fn sharpen(&mut self, points: &[PathPoint], critical: &mut CriticalPoint) {
-        let [mut from, mut to] = [0, 1].map(|k| points[critical.after + k].clone());
+        let Some(ahead) = (critical.after + 1..points.len()).find(|&k| points[k].unstable.is_some()) else { return };
+        let [mut from, mut to] = [critical.after, ahead].map(|k| points[k].clone());
         for _ in 0..BISECTIONS {
             let mean = |a: &[f64], b: &[f64]| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| 0.5 * (a + b)).collect() };
             let (a, b) = (&from.state, &to.state);
@@ -171,7 +173,11 @@ where
             match middle.unstable {
                 Some(_) if middle.unstable == from.unstable => from = middle,
                 Some(_) => to = middle,
-                None => break,
+                // The tangent is singular: this is the critical point.
+                None => {
+                    critical.load = load;
+                    return;
+                }
             }
         }
         let index = [&from, &to].into_iter().filter_map(|point| point.unstable).min().unwrap_or(0);
@@ -222,13 +228,13 @@ where
         Ok(())
     }
 
-    /// Finds the next point; returns also the number of corrections.
+    /// Finds the next point; returns also the number of corrections. `increment` is the load step where the load moves no node.
     fn next_point(
         &mut self,
         from: &Guess,
         (tangent, rates): (&Response, &Rates),
         before: Option<&[f64]>,
-        arc: f64,
+        (arc, increment): (f64, f64),
         options: &PathOptions,
     ) -> Result<(Guess, usize), Failure> {
         let speed = norm(&tangent.per_load).max(f64::MIN_POSITIVE);
@@ -238,7 +244,7 @@ where
         // Positions that change by round-off only (loads that are zero, or act on supports alone) define no arc length.
         let round_off = tolerances::POSITION * self.system.nodes.extent * (from.u.len() as f64).sqrt();
         let moves = arc > round_off;
-        let (by_arc, step) = (options.by_arc && moves, if moves { arc / speed } else { options.increment.abs() });
+        let (by_arc, step) = (options.by_arc && moves, if moves { arc / speed } else { increment });
         let step = if by_arc { onwards * step } else { left.signum() * step };
         let is_last = step * left > 0.0 && step.abs() >= left.abs();
         let step = if is_last { left } else { step };
@@ -388,11 +394,16 @@ fn critical_points(points: &[PathPoint]) -> Vec<CriticalPoint> {
             CriticalPoint { kind: CriticalKind::Limit, load: at, after }
         })
         .collect();
-    for k in 0..points.len().saturating_sub(1) {
-        let changes = points[k].unstable.zip(points[k + 1].unstable).is_some_and(|(now, then)| now != then);
-        if changes && !turns.iter().any(|&turn| turn == k || turn == k + 1) {
-            found.push(CriticalPoint { kind: CriticalKind::Bifurcation, load: 0.5 * (load(k) + load(k + 1)), after: k });
+    // A point at a critical load has a singular tangent and no count of unstable directions.
+    let counted: Vec<(usize, usize)> = points.iter().enumerate().filter_map(|(k, point)| Some((k, point.unstable?))).collect();
+    for pair in counted.windows(2) {
+        let [(k, now), (next, then)] = [pair[0], pair[1]];
+        if now != then && !turns.iter().any(|turn| (k..=next).contains(turn)) {
+            found.push(CriticalPoint { kind: CriticalKind::Bifurcation, load: 0.5 * (load(k) + load(next)), after: k });
         }
+    }
+    if let Some(&(k, _)) = counted.last().filter(|(k, _)| k + 1 < points.len()) {
+        found.push(CriticalPoint { kind: CriticalKind::Bifurcation, load: load(k + 1), after: k });
     }
     found.sort_by_key(|point| point.after);
     found

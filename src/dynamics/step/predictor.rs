@@ -76,6 +76,13 @@ where
         let moved = center[piece] + velocity[piece] * dt + rotation[piece] * arm;
         q_1[node * D..(node + 1) * D].copy_from_slice(&moved.as_slice()[..D]);
     }
+    if equations.nodes.is_axisymmetric {
+        // Bodies of revolution only move along their axis, and nodes on the axis stay there.
+        for (node, piece) in free() {
+            q_1[node * D] = q_0[node * D];
+            q_1[node * D + 1] = q_0[node * D + 1] + velocity[piece][1] * dt;
+        }
+    }
     q_1
 }
 

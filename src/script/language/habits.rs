@@ -13,6 +13,8 @@ const WORDS: &[(&[&str], &str)] = &[
     (&["False"], "write `false`"),
     (&["def", "function", "func", "lambda"], "functions are written `fn name(x) { … }`, closures `|x| …`"),
     (&["var"], "write `let`"),
+    (&["pi", "Pi"], "write `PI`"),
+    (&["#"], "comments begin with `//`, and maps with `#{`"),
 ];
 
 /// Functions of other languages, with hints.

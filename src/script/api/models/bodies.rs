@@ -30,16 +30,17 @@ pub fn functions() -> Vec<Function> {
         member(
             "plate",
             "mass",
-            "the mass of the body (per thickness in the plane, of the whole circumference around an axis)",
+            "the mass of the body with those that `add_mass` adds (per thickness in the plane, of the whole circumference around an axis)",
             "number",
-            |body: BodyHandle| {
-                let body = body.definition();
+            |handle: BodyHandle| {
+                let body = handle.definition();
+                let added: f64 = handle.model.0.borrow().model.parts.iter().map(|part| part.mass_on(handle.index)).sum();
                 if let Some(inertia) = body.rigid {
-                    return Dynamic::from(inertia.mass);
+                    return Dynamic::from(inertia.mass + added);
                 }
                 let is_axisymmetric = body.formulation.plane == Plane::Axisymmetric;
                 let measure = if is_axisymmetric { body.mesh.volume_of_revolution() } else { body.mesh.measure() };
-                Dynamic::from(measure * body.material.density())
+                Dynamic::from(measure * body.material.density() + added)
             },
         ),
     ]

@@ -21,7 +21,7 @@ const SLOW: f64 = 12.0;
 const LARGE: f64 = 4.0;
 
 /// Angles in degrees that are hardly meant in radians if a prescribed rotation ends at exactly this value.
-const DEGREES: [f64; 8] = [45.0, 60.0, 90.0, 120.0, 135.0, 180.0, 270.0, 360.0];
+const DEGREES: [f64; 9] = [30.0, 45.0, 60.0, 90.0, 120.0, 135.0, 180.0, 270.0, 360.0];
 
 /// Young's moduli of solids in Pa, from the softest gels to diamond.
 const MODULI: RangeInclusive<f64> = 1e3..=1.3e12;
@@ -34,6 +34,9 @@ const GRAVITY: RangeInclusive<f64> = 9.7..=9.9;
 
 /// Kilograms per cubic meter in a tonne per cubic millimeter.
 const DENSE: f64 = 1e12;
+
+/// Young's modulus above which stresses are in Pa where densities are in t/mm^3: diamond has 1.2e6 N/mm^2.
+const PASCALS: f64 = 1e8;
 
 /// Units of stress that are suggested if a number is implausible in the declared unit.
 const OF_STRESS: [&str; 6] = ["GPa", "MPa", "kPa", "Pa", "psi", "ksi"];
@@ -115,7 +118,8 @@ fn warn_of_gravity(call: &Call, model: &Model) {
     call.host.warn(Diagnostic::warning(title, call.place(&Target::Call)).code("C0338").cause(cause).hint(hint));
 }
 
-/// Warns of densities in kg/m^3 together with lengths in mm and stresses in N/mm^2, in a model whose inertia matters.
+/// Warns of densities in kg/m^3 together with lengths in mm and stresses in N/mm^2 in a model whose inertia matters, and of densities in
+/// t/mm^3 together with stresses in Pa.
 fn warn_of_mixed_units(call: &Call, model: &Model) {
     for body in model.bodies.iter().filter(|body| body.rigid.is_none()) {
         let (density, modulus) = (body.material.density(), body.material.youngs_modulus());
@@ -124,16 +128,26 @@ fn warn_of_mixed_units(call: &Call, model: &Model) {
             places.clone().fold(f64::NEG_INFINITY, f64::max) - places.fold(f64::INFINITY, f64::min)
         };
         let (size, speed) = ((0..3).map(extent).fold(0.0, f64::max), (modulus / density).sqrt());
-        if KILOGRAMS.contains(&density) && speed < SLOW && size > LARGE {
-            let title = format!("the density {} of body \"{}\" may be one of other units", number_text(density), body.name);
-            let cause = format!(
-                "sound would need {} to cross the body, at a speed of {}: that of steel in kg/m^3 and N/mm^2 is 5",
-                brief(size / speed),
-                brief(speed)
-            );
-            let hint = "with N and mm take t and s: steel has 7.85e-9 t/mm^3, and stresses are in N/mm^2; `units(\"mm-N-t\")` converts";
-            call.host.warn(Diagnostic::warning(title, call.place(&Target::Call)).code("C0334").cause(cause).hint(hint));
-        }
+        let (title, cause, hint) = if DENSITIES.contains(&(DENSE * density)) && modulus > PASCALS {
+            (
+                format!("Young's modulus {} of body \"{}\" may be one of other units", number_text(modulus), body.name),
+                format!("its density {} is that of a solid in t/mm^3, and no solid has that modulus in N/mm^2", number_text(density)),
+                "with N and mm stresses are in N/mm^2: steel has 2.1e5; `units(\"mm-N-t\")` converts",
+            )
+        } else if KILOGRAMS.contains(&density) && speed < SLOW && size > LARGE {
+            let seconds = brief(size / speed);
+            (
+                format!("the density {} of body \"{}\" may be one of other units", number_text(density), body.name),
+                format!(
+                    "sound would need {seconds} to cross the body, at a speed of {}: that of steel in kg/m^3 and N/mm^2 is 5",
+                    brief(speed)
+                ),
+                "with N and mm take t and s: steel has 7.85e-9 t/mm^3, and stresses are in N/mm^2; `units(\"mm-N-t\")` converts",
+            )
+        } else {
+            continue;
+        };
+        call.host.warn(Diagnostic::warning(title, call.place(&Target::Call)).code("C0334").cause(cause).hint(hint));
     }
 }
 

@@ -5,6 +5,7 @@ use crate::script::language::function::Function;
 pub mod artifacts;
 pub mod buckling;
 pub mod columns;
+mod contact_hints;
 pub mod contact_state;
 pub mod doubts;
 pub mod ending;

@@ -251,7 +251,7 @@ fn check_joints(call: &Call, model: &ModelData, simulation: &Simulation) -> Resu
         call.host
             .warn(warning.code("C0174").cause(cause).hint("let it change smoothly: `|t| if t < 1.0 { 0.5 * t * t } else { t - 0.5 }`"));
     }
-    for (name, rate) in simulation.loose_joints() {
+    for (name, rate) in simulation.loose_joints().into_iter().filter(|_| has_velocities) {
         let title = format!("the initial velocities do not fit joint \"{name}\": what it holds would part at {}", brief(rate));
         let warning = Diagnostic::warning(title, call.place(&Target::Call));
         let cause = "the first step makes them fit, and the velocities at the ends of steps swing about the right ones from then on";

@@ -47,6 +47,10 @@ impl SimulationHandle {
                 let (time, dt) = (brief(time), brief(dt));
                 let title = format!("Newton's method did not converge at t = {time} (step {step}, dt = {dt}, after {halvings} halvings)");
                 let failure = self.not_converged(told(title), told(cause), hint);
+                let failure = match self.contact_hint() {
+                    Some(hint) => failure.hint(hint),
+                    None => failure,
+                };
                 let failure = match self.keeps_depth() {
                     Some(contact) => failure.hint(format!(
                         "between rigid bodies `persistency` keeps the depth of contact \"{contact}\", and from two sides that jams: \
@@ -77,10 +81,7 @@ impl SimulationHandle {
     fn no_equilibrium(&self, cause: String, hint: String) -> Failure {
         let failure = self.not_converged("no static equilibrium was found".into(), cause, hint);
         // Gaps of this method jump when a node passes the end of the other surface or enters one of its corners.
-        let failure = match self.crushed() {
-            Some(hint) => failure.hint(hint),
-            None => failure,
-        };
+        let failure = [self.crushed(), self.contact_hint()].into_iter().flatten().fold(failure, Failure::hint);
         let by_nodes = |contact: &&Interaction| self.is_lost() && contact.method.is_nodal;
         match self.0.model.model.interactions.iter().find(by_nodes) {
             Some(contact) => {

@@ -52,6 +52,9 @@ impl Explainer<'_> {
             {
                 script(format!("`{word}` is a word of the language and cannot be a name")).hint("choose another name")
             }
+            ParseErrorType::PropertyExpected if follows_a_decimal_comma(place) => {
+                script("a number has a decimal point, and this one a comma".into()).hint("write numbers such as `0.5`")
+            }
             ParseErrorType::Reserved(word) => {
                 script(format!("`{word}` is a reserved word")).hint(habits::instead_of(word).unwrap_or("choose another name"))
             }
@@ -84,6 +87,14 @@ impl Explainer<'_> {
             other => script(lower(&other.to_string())),
         }
     }
+}
+
+/// True if a whole number stands at a place, behind a comma and another number.
+fn follows_a_decimal_comma(place: Option<&SourceSpan>) -> bool {
+    let Some(place) = place else { return false };
+    let (before, word) = (place.text[..place.range.start].trim_end(), &place.text[place.range.clone()]);
+    let is_number = |text: &str| text.chars().next_back().is_some_and(|last| last.is_ascii_digit());
+    word.starts_with(|first: char| first.is_ascii_digit()) && before.strip_suffix(',').is_some_and(is_number)
 }
 
 /// True if a word can only follow a complete statement or begin the next one.
