@@ -125,8 +125,8 @@ pub struct Stepped<'a> {
 }
 
 impl Stepped<'_> {
-    /// Factor of the size of the next try if the error of a first touch or of the end of a slip is larger than `allowed`; `speed` is the largest mean
-    /// speed so far.
+    /// Factor of the size of the next try if the error of a first touch or of the end of a slip is larger than `allowed`; `speed` is the
+    /// largest mean speed so far.
     fn factor_at_event(&self, speed: f64, allowed: f64, measure: &impl Measure) -> Option<f64> {
         let &Stepped { dt, v: [v_0, v_1], touch, slip_end, touch_round_off, .. } = self;
         // A jump of the velocity acts from the touch on, not from the middle of the step.

@@ -164,8 +164,8 @@ impl<const D: usize> Equations<D>
 where
     Space<D>: Elements<D>,
 {
-    /// Equations of the constraints that `hold`. If `is_eased`, and in models with couplings, unilateral constraints have a small compliance:
-    /// those of both sides of a periodic pair are equal, so that without it the matrix would be singular.
+    /// Equations of the constraints that `hold`. If `is_eased`, and in models with couplings, unilateral constraints have a small
+    /// compliance: those of both sides of a periodic pair are equal, so that without it the matrix would be singular.
     pub(super) fn held_rows(&self, hold: &[bool], evaluated: [&[Evaluation]; 2], is_eased: bool) -> ConstraintRows {
         let mut rows = ConstraintRows::held(hold);
         if is_eased || self.pairs.iter().any(|pair| matches!(pair.kind, PairKind::Coupling(_))) {
