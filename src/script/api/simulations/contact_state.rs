@@ -51,7 +51,11 @@ pub fn functions() -> Vec<Function> {
         number("normal_force", "the sum of the sizes of the nodal contact forces that press, for a surface with itself too", |fields| {
             fields.normal_force
         }),
-        number("area", "the length of the secondary surface that is in contact, to about half a facet at each end", |fields| fields.area),
+        number(
+            "area",
+            "the size of the secondary surface in contact, to about half a facet at its border: a length in the plane, else an area",
+            |fields| fields.area,
+        ),
         array("pressure", "the contact pressure at each secondary node, in their order along the surface", |contact| {
             array_of(contact.fields.pressure.iter().copied())
         }),
