@@ -91,7 +91,7 @@ fn entries_completion_help_and_history() {
     enter(&mut session, "?ring", "inner_radius: ");
     enter(&mut session, "help(\"materials\")", "neo_hookean(");
     enter(&mut session, "rign(1)", "did you mean `ring`");
-    enter(&mut session, "let part = ring", "call it: `ring(…)`");
+    enter(&mut session, "let part = ring", "call it: `ring(");
     enter(&mut session, ":vars", "plate  Mesh");
     enter(&mut session, ":time 1 + 1", " s\r\n");
     enter(&mut session, ":nonsense", "there is no command");

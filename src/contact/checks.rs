@@ -131,6 +131,13 @@ pub enum Finding {
         /// Expected relative error of nodal pressures.
         error: f64,
     },
+    /// Press fit of nodes on facets between unlike meshes.
+    UnlikeNodes {
+        /// Name of the secondary surface.
+        secondary: String,
+        /// Name of the primary surface.
+        primary: String,
+    },
     /// Secondary nodes of a tie without an opposite primary point.
     Untied {
         /// Name of the tie.
@@ -201,6 +208,11 @@ impl std::fmt::Display for Finding {
                 100.0 * lost.abs() / interference,
                 if *lost > 0.0 { "loose" } else { "tight" }
             ),
+            Finding::UnlikeNodes { secondary, primary } => write!(
+                out,
+                "nodes of \"{secondary}\" are pressed onto facets of \"{primary}\" beside its nodes: pressures oscillate from node to node \
+                 by as much as themselves"
+            ),
             Finding::Untied { nodes, of, reach, .. } => {
                 let many = if nodes == of {
                     format!("none of the {of} nodes has anything")
@@ -257,6 +269,7 @@ impl Finding {
             Finding::CoarseFit { .. } => "C0407",
             Finding::UnevenFit { .. } => "C0409",
             Finding::ConstantStrain { .. } => "C0410",
+            Finding::UnlikeNodes { .. } => "C0414",
             Finding::Untied { .. } => "C0408",
         }
     }
@@ -305,6 +318,7 @@ impl Finding {
                  half of the error, and the force is accurate"
                     .into()
             }
+            Finding::UnlikeNodes { .. } => "use a mortar method, or matching meshes; finer facets do not help".into(),
             Finding::Untied { .. } => "name boundaries that lie on each other, or give a larger `reach`".into(),
         }
     }

@@ -68,6 +68,7 @@ mod tie;
 mod tilt;
 mod tips;
 mod turning;
+mod unlike_nodes;
 mod window;
 
 pub use averaged::{AVERAGED_MORTAR, AveragedMortar};
@@ -107,4 +108,5 @@ pub use space::{
 pub use surface::{Edge, Sides, Surface};
 pub use tie::Tie;
 pub use turning::TurningContact;
+pub use unlike_nodes::has_unlike_nodes;
 pub use window::{MotionBound, PredictedMotion};

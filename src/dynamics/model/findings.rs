@@ -7,8 +7,8 @@ use super::definitions::Model;
 use super::depths::Depths;
 use super::interactions::{BodyBoundary, Interaction, Partner};
 use crate::contact::{
-    FacetShape, Finding, NamedSurface, PatchFunctions, Surface, Tie, check_surfaces, constant_strain_error, facing_away, polygon_fit,
-    press_fit, uneven_fit,
+    FacetShape, Finding, NamedSurface, PatchFunctions, Surface, Tie, check_surfaces, constant_strain_error, facing_away, has_unlike_nodes,
+    polygon_fit, press_fit, uneven_fit,
 };
 
 impl Model {
@@ -31,6 +31,15 @@ impl Model {
             check_surfaces(side(0), side(1), &reference)
         };
         let is_curved = |on: &BodyBoundary| self.bodies[on.body].mesh.is_quadratic();
+        let unlike_nodes = |interaction: &Interaction, primary: &[BodyBoundary]| {
+            let secondary = Surface::new(&facets(&interaction.secondary));
+            let found = primary.iter().filter(|_| interaction.method.is_nodal).filter_map(|on| {
+                let primary = Surface::new(&facets(on));
+                let is_fit = polygon_fit(&secondary, &primary, &reference, FacetShape::Straight).is_some();
+                (is_fit && has_unlike_nodes(&secondary, &primary, &reference)).then(|| self.unlike_nodes([&interaction.secondary, on]))
+            });
+            found.collect()
+        };
         let press_fits = |secondary: &BodyBoundary, primary: &[BodyBoundary], shape: FacetShape| {
             let primary: Vec<&BodyBoundary> = primary.iter().filter(|on| !is_curved(on) && !is_curved(secondary)).collect();
             let found = primary.into_iter().filter_map(|on| {
@@ -68,6 +77,9 @@ impl Model {
             if let (false, Partner::Surfaces(primary)) = (is_exact, partner) {
                 add(name, press_fits(secondary, primary, interaction.facet_shape(2)));
             }
+            if let Partner::Surfaces(primary) = partner {
+                add(name, unlike_nodes(interaction, primary));
+            }
             add(name, self.away_from_obstacle(&self.interactions[index]).into_iter().collect());
             let Partner::Tied { to, reach } = partner else { continue };
             let secondary = facets(secondary);
@@ -89,6 +101,12 @@ impl Model {
     pub(super) fn is_guided(&self, secondary: &BodyBoundary, primary: &[BodyBoundary]) -> bool {
         let is_joined = |on: &BodyBoundary| self.joints.iter().any(|joint| joint.bodies().any(|body| body == on.body));
         std::iter::once(secondary).chain(primary).any(is_joined)
+    }
+
+    /// Finding for a press fit of nodes on facets of an unlike mesh.
+    fn unlike_nodes(&self, sides: [&BodyBoundary; 2]) -> Finding {
+        let [secondary, primary] = sides.map(|on| self.boundary_name(on));
+        Finding::UnlikeNodes { secondary, primary }
     }
 
     /// Finding for a press fit of sides with cells of constant strain, whose secondary side has this curvature `[1/length]`.
@@ -114,8 +132,12 @@ impl Model {
                 return Some(Finding::CoarseFit { secondary, primary, of });
             }
             let faces = [side, on].map(|on| boundary_faces(self, on, first[on.body]));
-            let surfaces = interaction.proxy_surfaces_in_space(&faces, reference);
-            match uneven_fit(&surfaces, reference).filter(|of| of.is_distorted()) {
+            let uneven = uneven_fit(&interaction.proxy_surfaces_in_space(&faces, reference), reference);
+            let is_nodal = interaction.method.is_nodal && (of_facets.is_some() || uneven.is_some());
+            if is_nodal && has_unlike_nodes(&surface(side), &surface(on), reference) {
+                return Some(self.unlike_nodes([side, on]));
+            }
+            match uneven.filter(|of| of.is_distorted()) {
                 Some(of) => Some(Finding::UnevenFit { secondary, primary, of }),
                 None => self.constant_strain([side, on], of_facets?.curvature),
             }
