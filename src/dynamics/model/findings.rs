@@ -31,15 +31,6 @@ impl Model {
             check_surfaces(side(0), side(1), &reference)
         };
         let is_curved = |on: &BodyBoundary| self.bodies[on.body].mesh.is_quadratic();
-        let unlike_nodes = |interaction: &Interaction, primary: &[BodyBoundary]| {
-            let secondary = Surface::new(&facets(&interaction.secondary));
-            let found = primary.iter().filter(|_| interaction.method.is_nodal).filter_map(|on| {
-                let primary = Surface::new(&facets(on));
-                let is_fit = polygon_fit(&secondary, &primary, &reference, FacetShape::Straight).is_some();
-                (is_fit && has_unlike_nodes(&secondary, &primary, &reference)).then(|| self.unlike_nodes([&interaction.secondary, on]))
-            });
-            found.collect()
-        };
         let press_fits = |secondary: &BodyBoundary, primary: &[BodyBoundary], shape: FacetShape| {
             let primary: Vec<&BodyBoundary> = primary.iter().filter(|on| !is_curved(on) && !is_curved(secondary)).collect();
             let found = primary.into_iter().filter_map(|on| {
@@ -77,9 +68,7 @@ impl Model {
             if let (false, Partner::Surfaces(primary)) = (is_exact, partner) {
                 add(name, press_fits(secondary, primary, interaction.facet_shape(2)));
             }
-            if let Partner::Surfaces(primary) = partner {
-                add(name, unlike_nodes(interaction, primary));
-            }
+            add(name, self.nodes_in_fits(interaction, &first, &reference));
             add(name, self.away_from_obstacle(&self.interactions[index]).into_iter().collect());
             let Partner::Tied { to, reach } = partner else { continue };
             let secondary = facets(secondary);
@@ -101,6 +90,18 @@ impl Model {
     pub(super) fn is_guided(&self, secondary: &BodyBoundary, primary: &[BodyBoundary]) -> bool {
         let is_joined = |on: &BodyBoundary| self.joints.iter().any(|joint| joint.bodies().any(|body| body == on.body));
         std::iter::once(secondary).chain(primary).any(is_joined)
+    }
+
+    /// Findings for plane press fits of nodes on facets of unlike meshes.
+    fn nodes_in_fits(&self, interaction: &Interaction, first: &[usize], reference: &[f64]) -> Vec<Finding> {
+        let Interaction { secondary, partner: Partner::Surfaces(primary), method, .. } = interaction else { return Vec::new() };
+        let surface = |on: &BodyBoundary| Surface::new(&boundary_facets(self, on, first[on.body]));
+        let side = surface(secondary);
+        let is_unlike = |on: &&BodyBoundary| {
+            let other = surface(on);
+            polygon_fit(&side, &other, reference, FacetShape::Straight).is_some() && has_unlike_nodes(&side, &other, reference)
+        };
+        primary.iter().filter(|_| method.is_nodal).filter(is_unlike).map(|on| self.unlike_nodes([secondary, on])).collect()
     }
 
     /// Finding for a press fit of nodes on facets of an unlike mesh.
