@@ -7,8 +7,8 @@ use super::definitions::Model;
 use super::depths::Depths;
 use super::interactions::{BodyBoundary, Interaction, Partner};
 use crate::contact::{
-    FacetShape, Finding, NamedSurface, PatchFunctions, Surface, Tie, check_surfaces, constant_strain_error, facing_away, has_unlike_nodes,
-    polygon_fit, press_fit, uneven_fit,
+    ContactMethod, FacetShape, Finding, NamedSurface, PatchFunctions, Surface, Tie, check_surfaces, constant_strain_error, facing_away,
+    has_unlike_nodes, polygon_fit, press_fit, uneven_fit,
 };
 
 impl Model {
@@ -94,14 +94,17 @@ impl Model {
 
     /// Findings for plane press fits of nodes on facets of unlike meshes.
     fn nodes_in_fits(&self, interaction: &Interaction, first: &[usize], reference: &[f64]) -> Vec<Finding> {
-        let Interaction { secondary, partner: Partner::Surfaces(primary), method, .. } = interaction else { return Vec::new() };
+        let Interaction { secondary, partner: Partner::Surfaces(primary), method: ContactMethod { is_nodal: true, .. }, .. } = interaction
+        else {
+            return Vec::new();
+        };
         let surface = |on: &BodyBoundary| Surface::new(&boundary_facets(self, on, first[on.body]));
         let side = surface(secondary);
         let is_unlike = |on: &&BodyBoundary| {
             let other = surface(on);
             polygon_fit(&side, &other, reference, FacetShape::Straight).is_some() && has_unlike_nodes(&side, &other, reference)
         };
-        primary.iter().filter(|_| method.is_nodal).filter(is_unlike).map(|on| self.unlike_nodes([secondary, on])).collect()
+        primary.iter().filter(is_unlike).map(|on| self.unlike_nodes([secondary, on])).collect()
     }
 
     /// Finding for a press fit of nodes on facets of an unlike mesh.
