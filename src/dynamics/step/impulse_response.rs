@@ -90,8 +90,8 @@ where
         Ok(self.response((evaluated, &at.q_1), &matrix, right, lambda, &[]))
     }
 
-    /// Solution by the factors of the matrix for a right side. Repeated solutions reduce the influence of compliances: in each, the term of
-    /// the last multipliers is added to the right side (proximal point method).
+    /// Solution by the factors of the matrix for a right side. Repeated solutions remove the influence of compliances: in each, the term of
+    /// the last multipliers is added to the right side (proximal point method), until the velocities stay.
     pub(super) fn solve_factorized(&mut self, matrix: &EndMatrix, right: Vec<f64>) -> Result<Vec<f64>, Failure> {
         let (clock, first) = (Instant::now(), right.len() - self.multipliers);
         let repetitions = if matrix.compliances.is_empty() { 0 } else { tolerances::RATE_REPETITIONS };
@@ -101,7 +101,11 @@ where
             let mut next = right.clone();
             matrix.compliances.iter().for_each(|&(row, compliance)| next[first + row] += compliance * solution[first + row]);
             self.matrix.solver.solve(&matrix.values, &mut next).map_err(Failure::Linear)?;
+            let change = next[..first].iter().zip(&solution).fold(0.0f64, |most, (a, b)| most.max((a - b).abs()));
             solution = next;
+            if change <= tolerances::SAME_RATE * largest_size(&solution[..first]) {
+                break;
+            }
         }
         self.counters.times.solve += clock.elapsed();
         Ok(solution)
@@ -169,8 +173,11 @@ where
     pub(super) fn held_rows(&self, hold: &[bool], evaluated: [&[Evaluation]; 2], is_eased: bool) -> ConstraintRows {
         let mut rows = ConstraintRows::held(hold);
         if is_eased || self.pairs.iter().any(|pair| matches!(pair.kind, PairKind::Coupling(_))) {
-            let compliance = tolerances::RATE_COMPLIANCE * largest_end_gradient(evaluated);
-            for pair in self.pairs.iter().filter(|pair| pair.is_unilateral()) {
+            let largest = largest_end_gradient(evaluated);
+            for (pair, evaluation) in self.pairs.iter().zip(evaluated[0]).filter(|(pair, _)| pair.is_unilateral()) {
+                // Other pairs may have gradients in other units: those of angles beside those of areas.
+                let own = largest_size(&evaluation.gradient_end);
+                let compliance = tolerances::RATE_COMPLIANCE * own * own / largest;
                 let tangential = pair.tangential().map(|(row, _)| row);
                 for row in pair.rows.clone().chain(tangential).filter(|&row| hold[row]) {
                     rows.0[row].diagonal += compliance;

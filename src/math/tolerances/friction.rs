@@ -76,6 +76,9 @@ pub const HARDLY_MOVED: f64 = 1e-6;
 
 /// Compliance of unilateral constraints in the velocities at the end of a step, relative to their response by the largest nodal mass, in
 /// models whose couplings make constraints dependent. With less, momenta are not balanced to round-off.
-pub const RATE_COMPLIANCE: f64 = 1e-4;
-/// Number of repeated solutions after which [`RATE_COMPLIANCE`] leaves an error of 1e-12 of the rates.
-pub const RATE_REPETITIONS: usize = 2;
+pub const RATE_COMPLIANCE: f64 = 0.04;
+/// Largest number of repeated solutions that remove the influence of [`RATE_COMPLIANCE`]: each reduces it by the same factor, or by more at
+/// nodes of less mass.
+pub const RATE_REPETITIONS: usize = 20;
+/// Change of the velocities in a repeated solution, relative to the largest, below which the influence of compliances is round-off.
+pub const SAME_RATE: f64 = 1e-13;
