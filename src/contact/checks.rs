@@ -210,8 +210,8 @@ impl std::fmt::Display for Finding {
             ),
             Finding::UnlikeNodes { secondary, primary } => write!(
                 out,
-                "nodes of \"{secondary}\" are pressed onto facets of \"{primary}\" beside its nodes: pressures oscillate from node to node \
-                 by as much as themselves"
+                "nodes of \"{secondary}\" are pressed onto facets of \"{primary}\" beside its nodes: pressures oscillate from node to \
+                 node, by about a tenth on flat sides and by as much as themselves on curved ones"
             ),
             Finding::Untied { nodes, of, reach, .. } => {
                 let many = if nodes == of {

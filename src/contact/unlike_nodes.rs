@@ -1,7 +1,7 @@
 //! Press fits of nodes on facets between unlike meshes (for `checks.rs`).
 //!
 //! Forces of nodes on the facets of another mesh do not balance a uniform pressure (Taylor and Papadopoulos, On a patch test for contact
-//! problems in two dimensions, 1991): in a press fit nodal pressures oscillate, by as much as themselves, however fine the meshes are.
+//! problems in two dimensions, 1991): in a press fit nodal pressures oscillate, however fine the meshes are.
 
 use rstar::RTree;
 
