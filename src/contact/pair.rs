@@ -328,7 +328,7 @@ pub fn tangent_into(test: &Offsets, trial: &Offsets, share: f64, g: &Invariants,
     }
 }
 
-/// Overlap of a facet pair in secondary coordinates, in numbers with derivatives.
+/// Overlap of a facet pair in coordinates of the secondary facet; `T` may carry derivatives with respect to the node positions.
 pub struct SlipOverlap<T> {
     /// Secondary facet vector.
     pub t: [T; 2],

@@ -89,7 +89,7 @@ impl Explainer<'_> {
     }
 }
 
-/// True if a whole number stands at a place, behind a comma and another number.
+/// True if the text at a place is a whole number that follows a comma and another number, as in `0,5`.
 fn follows_a_decimal_comma(place: Option<&SourceSpan>) -> bool {
     let Some(place) = place else { return false };
     let (before, word) = (place.text[..place.range.start].trim_end(), &place.text[place.range.clone()]);
