@@ -110,6 +110,8 @@ where
         let energy = self.energy_scale(&start, &predicted);
         let options = &self.options;
         let (is_exact, before) = (self.has_drifted(energy), self.system.counters);
+        // Defects of the stages of a step add up.
+        let tolerance = options.tolerance / options.integrator.stages().len().max(1) as f64;
         let solution = loop {
             let task = Task {
                 start: &start,
@@ -118,7 +120,7 @@ where
                 lambda: &state.lambda,
                 conditions: &conditions,
                 energy,
-                tolerance: options.tolerance,
+                tolerance,
                 is_still: self.state.row.kinetic + self.state.row.strain.abs() <= tolerances::HARDLY_MOVED * energy,
                 is_exact,
                 at_least: 0,
