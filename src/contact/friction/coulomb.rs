@@ -35,6 +35,10 @@ impl Default for Coulomb {
 }
 
 impl FrictionLaw for Coulomb {
+    fn depends_on_speed(&self) -> bool {
+        self.transition_speed.is_finite()
+    }
+
     fn limit(&self, SlipState { coefficient, pressure, speed }: SlipState) -> Limit {
         let (rest, by_speed) = if self.transition_speed.is_finite() {
             let ratio = speed / self.transition_speed;

@@ -34,6 +34,10 @@ impl FrictionCurve {
 }
 
 impl FrictionLaw for FrictionCurve {
+    fn depends_on_speed(&self) -> bool {
+        self.points.len() > 1
+    }
+
     fn limit(&self, SlipState { coefficient, pressure, speed }: SlipState) -> Limit {
         let (mu, slope) = self.at(speed);
         Limit { shear: coefficient * mu * pressure, by_pressure: coefficient * mu, by_speed: coefficient * slope * pressure }

@@ -41,6 +41,9 @@ pub trait FrictionLaw: fmt::Debug + Send + Sync {
         0.0
     }
 
+    /// True if the largest shear stress changes with the speed.
+    fn depends_on_speed(&self) -> bool;
+
     /// Law in other units, with the conversion factors of stress and speed.
     fn in_units(&self, stress: f64, speed: f64) -> Arc<dyn FrictionLaw>;
 }

@@ -94,7 +94,7 @@ impl CornersInSpace {
     pub fn kernel(seen: &ProxySurfacesInSpace) -> Option<Box<dyn ContactKernel>> {
         let ProxySurfacesInSpace { secondary, primary, reference, curve, .. } = seen;
         let profiles = [secondary, primary].map(|surface| Profiles::new(surface, curve));
-        let of = |(side, profiles): (&Surface, &Profiles)| Features::with_bumps(side, curve, profiles);
+        let of = |(side, profiles): (&Surface, &Profiles)| Features::with_bumps(side, curve, profiles).raised(side, reference, curve);
         let features = [(secondary, &profiles[0]), (primary, &profiles[1])].map(of);
         if features.iter().all(|features| features.vertices.is_empty()) {
             return None;
@@ -182,6 +182,11 @@ impl CornersInSpace {
     /// Overlap of the features of touching curved surfaces `[length]`. Middles of facets lie above a hollow surface by up to 1.5 mean
     /// heights; points of a convex surface are raised by its mean height, those of second order unevenly, and meet hollow vertices.
     fn clearance(&self, kind: Kind) -> f64 {
+        // Facets that meet at large angles, as on a sphere with four facets around, have no profile of a curve.
+        let raised = |profiles: &Profiles, facets: &[u32], points: f64| match profiles.raised_by(facets) {
+            0.0 => points,
+            by_profile => by_profile,
+        };
         match kind {
             Kind::Vertex { vertex, .. } if let Some(rows) = &self.of_nodes => -rows.heights[vertex],
             Kind::Vertex { side, vertex, facet } => {
@@ -191,12 +196,13 @@ impl CornersInSpace {
                 let is_hollow = self.uneven > 0.0 && hollow > 0.0;
                 let met = if is_hollow { self.uneven * hollow + other.raised_points(facet as u32) } else { 0.0 };
                 let of_facet = self.warps[1 - side].get(facet).copied().unwrap_or(0.0) + other.hollow(&[facet as u32]);
-                of_facet + self.profiles[side].raised_by(around) + met
+                of_facet + raised(&self.profiles[side], around, vertex.raised) + met
             }
             Kind::Edges(edges) => {
                 let of = |side: usize| {
-                    let facets: Vec<u32> = self.features[side].edges[edges[side]].facets.into_iter().flatten().collect();
-                    self.profiles[side].hollow(&facets).max(self.profiles[side].raised_by(&facets))
+                    let edge = &self.features[side].edges[edges[side]];
+                    let facets: Vec<u32> = edge.facets.into_iter().flatten().collect();
+                    self.profiles[side].hollow(&facets).max(raised(&self.profiles[side], &facets, edge.raised))
                 };
                 of(0) + of(1)
             }

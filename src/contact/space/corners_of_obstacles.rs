@@ -20,7 +20,7 @@ impl CornersInSpace {
 
     /// Constraints of a rigid ball against the facets of a surface; the tip of a cone is a ball of radius 0.
     pub(crate) fn of_ball(surface: Surface, center: u32, radius: f64, positions: &[f64], facet_size: f64) -> Box<dyn ContactKernel> {
-        let center_alone = Vertex { node: center, spokes: Vec::new(), is_bump: false };
+        let center_alone = Vertex { node: center, spokes: Vec::new(), is_bump: false, raised: 0.0 };
         let alone = Features { vertices: vec![center_alone], edges: Vec::new(), laps: vec![Vec::new()] };
         let features = [Features::new(&surface, positions), alone];
         let mut made = CornersInSpace::new(surface, Surface::in_space([&[center][..]]), features, positions, facet_size);

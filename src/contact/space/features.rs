@@ -28,6 +28,8 @@ pub struct Vertex {
     pub spokes: Vec<u32>,
     /// True for a bump: a node without a sharp edge.
     pub is_bump: bool,
+    /// Height of its point above the surface of second order that it represents; 0 on others `[length]`.
+    pub raised: f64,
 }
 
 /// Edge with separate constraints: a sharp edge that is not re-entrant, or a smooth edge of an obstacle.
@@ -38,6 +40,8 @@ pub struct SharpEdge {
     pub facets: [Option<u32>; 2],
     /// Distance beyond each end, in edge lengths, up to which a point counts as opposite.
     pub laps: [f64; 2],
+    /// Largest height of its points above the surface of second order that they represent; 0 on others `[length]`.
+    pub raised: f64,
 }
 
 /// Sharp features of a surface.
@@ -99,14 +103,14 @@ impl Features {
         let sharp = || (0..edges.len()).filter(|&index| bends[index] == Bend::Sharp);
         let sharp_edge = |index: usize| {
             let edge = &edges[index];
-            SharpEdge { nodes: edge.nodes, facets: edge.facets, laps: edge.nodes.map(|node| lap(index, node)) }
+            SharpEdge { nodes: edge.nodes, facets: edge.facets, laps: edge.nodes.map(|node| lap(index, node)), raised: 0.0 }
         };
         let mut nodes: Vec<u32> = sharp().flat_map(|index| edges[index].nodes).collect();
         nodes.sort_unstable();
         nodes.dedup();
         let vertex = |is_bump: bool, node: u32| {
             let spokes = around(node).iter().map(|&index| edges[index].nodes).map(|[a, b]| if a == node { b } else { a }).collect();
-            Vertex { node, spokes, is_bump }
+            Vertex { node, spokes, is_bump, raised: 0.0 }
         };
         let bumps = bumps.iter().filter(|bump| nodes.binary_search(bump).is_err());
         let laps_of = |facet: usize| {
@@ -127,6 +131,21 @@ impl Features {
             edges: (0..edges.len()).filter(|&index| is_kept(bends[index])).map(sharp_edge).collect(),
             laps: (0..surface.count()).map(laps_of).collect(),
         }
+    }
+}
+
+impl Features {
+    /// The features of a surface whose points at `reference` represent those of a surface of second order at `curve`.
+    pub fn raised(mut self, surface: &Surface, reference: &[f64], curve: &[f64]) -> Features {
+        let height = |node: u32| {
+            let around = surface.index(node).map_or(&[][..], |index| surface.adjacent_facets(index));
+            let normal = around.iter().map(|&facet| faces::normal(surface.facet(facet as usize), curve)).sum::<Vector>();
+            let rise = faces::at(node, reference) - faces::at(node, curve);
+            normal.try_normalize(0.0).map_or(0.0, |normal| normal.dot(&rise).max(0.0))
+        };
+        self.vertices.iter_mut().for_each(|vertex| vertex.raised = height(vertex.node));
+        self.edges.iter_mut().for_each(|edge| edge.raised = edge.nodes.map(height).into_iter().fold(0.0, f64::max));
+        self
     }
 }
 

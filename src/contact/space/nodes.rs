@@ -28,7 +28,7 @@ impl CornersInSpace {
     /// Constraints of the nodes of a surface against the facets of another one.
     pub(crate) fn of_nodes(surfaces: &ProxySurfacesInSpace) -> Box<dyn ContactKernel> {
         let ProxySurfacesInSpace { secondary, primary, reference, .. } = surfaces;
-        let vertex = |&node: &u32| Vertex { node, spokes: Vec::new(), is_bump: true };
+        let vertex = |&node: &u32| Vertex { node, spokes: Vec::new(), is_bump: true, raised: 0.0 };
         let owned = Features { vertices: secondary.nodes().iter().map(vertex).collect(), ..Features::new(secondary, reference) };
         let mut opposite = Features { vertices: Vec::new(), ..Features::new(primary, reference) };
         opposite.laps.iter_mut().flatten().for_each(|lap| *lap = lap.max(RIM));

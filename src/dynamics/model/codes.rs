@@ -62,7 +62,9 @@ impl StepError {
             StepError::Interrupted { .. } => "C0508",
             StepError::OutOfMemory { .. } => "C0509",
             StepError::Ranks { source, .. } => source.code(),
-            StepError::Contradiction { .. } | StepError::Blocked { .. } | StepError::Jammed { .. } => "C0511",
+            StepError::Contradiction { .. } | StepError::Blocked { .. } | StepError::Unyielding { .. } | StepError::Jammed { .. } => {
+                "C0511"
+            }
         }
     }
 }

@@ -54,6 +54,14 @@ pub enum StepError {
         /// Time of the last step.
         time: f64,
     },
+    /// Contact between sides that supports, drives and joints move wholly.
+    #[error("contact \"{contact}\" cannot hold at t = {time}: what is held, prescribed or driven moves both sides, and none can give way")]
+    Unyielding {
+        /// Name of the contact.
+        contact: String,
+        /// Time of the last step.
+        time: f64,
+    },
     /// A node that friction locks: held in one direction, it neither sticks to the other side nor slides off it.
     #[error("friction of contact \"{contact}\" locks node {node} of body \"{body}\", which is held in one direction, at t = {time}")]
     Jammed {
@@ -201,6 +209,11 @@ impl StepError {
             StepError::Blocked { .. } => {
                 "let the motion end before the stop, or leave the joint more room; a force in place of a prescribed motion lets the stop \
                  hold"
+                    .into()
+            }
+            StepError::Unyielding { .. } => {
+                "let the motion end before the surfaces meet, or leave one side free; a force in place of a prescribed motion lets the \
+                 contact hold"
                     .into()
             }
             StepError::Jammed { limit, .. } => format!(

@@ -122,6 +122,8 @@ pub struct NormalState<'a> {
     pub sense: f64,
     /// Slip rate per weighted slip: `1/dt` divided by the weight of the constraint.
     pub speed: f64,
+    /// Slip speed at which the friction law is evaluated in place of that of the slip, if it is lagged.
+    pub lagged: Option<f64>,
     /// Multiplier per stress: 1, or a circumference in axisymmetric models.
     pub around: f64,
     /// Tangential compliance: slip per change of the multiplier within an iteration.
@@ -139,14 +141,15 @@ impl NormalState<'_> {
     /// Largest dry multiplier at the speed of a slip of this size, with its derivatives with respect to the normal multiplier and to the
     /// size.
     pub fn limit(&self, slip: f64) -> Limit {
-        let (pressure, speed) = (self.normal.max(0.0) / self.around, slip * self.speed);
+        let (pressure, speed) = (self.normal.max(0.0) / self.around, self.lagged.unwrap_or(slip * self.speed));
         let limit = self.law.limit(SlipState { coefficient: self.coefficient, pressure, speed });
+        let by_slip = if self.lagged.is_some() { 0.0 } else { self.around * self.speed };
         // Beyond the bearing limit of the lubricant film its shear stress is proportional to the pressure, like dry friction.
         let film = if self.is_film_at(slip) { 0.0 } else { ROUGH };
         Limit {
             shear: limit.shear * self.around + film * self.normal.max(0.0),
             by_pressure: limit.by_pressure + film,
-            by_speed: limit.by_speed * self.around * self.speed,
+            by_speed: limit.by_speed * by_slip,
         }
     }
 
@@ -339,7 +342,8 @@ mod tests {
 
     fn row(law: &dyn FrictionLaw, normal: f64, lambda: f64, slip: f64) -> SlipRow<'_> {
         let (coefficient, speed, around, compliance, c, tolerance) = (0.3, 2.0, 1.0, 0.0, 5.0, 1e-9);
-        let pressed = NormalState { law, coefficient, normal, sense: 1.0, speed, around, compliance, c, stiffness: 3.0 * c, tolerance };
+        let pressed =
+            NormalState { law, coefficient, normal, sense: 1.0, speed, lagged: None, around, compliance, c, stiffness: 3.0 * c, tolerance };
         SlipRow { pressed, lambda, slip, rest: 0.0, is_held: false }
     }
 

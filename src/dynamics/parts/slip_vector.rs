@@ -238,7 +238,8 @@ mod tests {
 
     fn rows(law: &dyn FrictionLaw, normal: f64, lambda: Vector, slip: Vector, rest: Vector) -> SlipVector<'_> {
         let (coefficient, speed, around, compliance, c, tolerance) = (0.3, 2.0, 1.0, 0.0, 5.0, 1e-9);
-        let pressed = NormalState { law, coefficient, normal, sense: 1.0, speed, around, compliance, c, stiffness: 3.0 * c, tolerance };
+        let pressed =
+            NormalState { law, coefficient, normal, sense: 1.0, speed, lagged: None, around, compliance, c, stiffness: 3.0 * c, tolerance };
         SlipVector { pressed, count: 2, lambda, slip, rest }
     }
 

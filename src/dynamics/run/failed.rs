@@ -50,7 +50,7 @@ where
         let (cause, remedy) = (report.explanation(), report.remedy(ease));
         // Round-off can make a singular system regular, with solutions that grow without bound.
         let is_singular = matches!(report.cause, FailureCause::SingularSystem { .. } | FailureCause::Divergence);
-        // The constraint of a stop whose bodies are wholly prescribed has no free unknown: it stays violated.
+        // The constraint of a stop or a contact whose bodies are wholly prescribed has no free unknown: it stays violated.
         let violated = self.trace.iterations.last().filter(|_| matches!(report.cause, FailureCause::SlowConvergence));
         let violated = violated.map(|last| last.worst_row);
         let is_cycling = matches!(report.cause, FailureCause::CyclingContact { .. });
@@ -60,6 +60,12 @@ where
             && violated.is_none_or(|row| stop.rows.contains(&row))
         {
             return StepError::Blocked { joint: stop.name.clone(), time };
+        }
+        if let Some(row) = violated
+            && let Some(pair) = self.system.pair_of(row).filter(|pair| pair.rows.contains(&row) && !pair.kind.is_bilateral())
+            && self.system.is_determined(pair, row, &self.state.positions)
+        {
+            return StepError::Unyielding { contact: pair.name.clone(), time };
         }
         if is_cycling && let Some(jammed) = self.jammed() {
             return jammed;

@@ -384,6 +384,7 @@ where
             shift: vec![0.0; count],
             stiffness,
             stops: vec![false; count],
+            lagged_speeds: Vec::new(),
             dt: 0.0,
         }
     }

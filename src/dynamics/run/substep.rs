@@ -128,11 +128,22 @@ where
                 preferred: state.preferred,
                 interrupted: &|| options.interrupted(),
             };
-            match solve(&mut self.system, &task, &mut self.statistics.newton_iterations, &mut self.trace) {
-                // A slip that may stop within the step can leave the step without a solution: the second attempt excludes stops.
-                Err(failure) if !matches!(failure, Failure::Fatal(_)) && conditions.stops.contains(&true) => conditions.stops.fill(false),
-                outcome => break outcome?,
+            let outcome = solve(&mut self.system, &task, &mut self.statistics.newton_iterations, &mut self.trace);
+            if matches!(outcome, Ok(_) | Err(Failure::Fatal(_))) {
+                break outcome?;
             }
+            if conditions.stops.contains(&true) {
+                // A slip that may stop within the step can leave the step without a solution: the second attempt excludes stops.
+                conditions.stops.fill(false);
+                continue;
+            }
+            // Where friction falls with the speed fast enough, as in impacts, a step has several solutions or none, however short it is: the
+            // last attempt takes the coefficients of the slips at its start.
+            let speeds = self.system.slip_speeds(&state.positions, &state.velocities);
+            if speeds.is_empty() || !conditions.lagged_speeds.is_empty() {
+                break outcome?;
+            }
+            conditions.lagged_speeds = speeds;
         };
         let taken_back = match self.check_search(&predicted_motion, MORE_MOTION, &solution) {
             Ok(()) if may_be_halved => {

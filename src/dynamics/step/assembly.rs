@@ -357,6 +357,29 @@ where
         self.pairs.iter().map(evaluated).collect()
     }
 
+    /// Speed with which the surfaces of every tangential constraint slip at the positions `q` with the velocities `v`; empty if the
+    /// friction of no pair depends on it.
+    pub fn slip_speeds(&self, q: &[f64], v: &[f64]) -> Vec<f64> {
+        let depends = |pair: &ContactPair| pair.friction.as_ref().is_some_and(|friction| friction.law.depends_on_speed());
+        if !self.pairs.iter().any(depends) {
+            return Vec::new();
+        }
+        let pairs = self.evaluations_at(q);
+        let slips = self.slips_at_rest(q, &pairs);
+        let rates = self.rates([&pairs, &slips], q, v);
+        let mut speeds = vec![0.0; self.multipliers];
+        for (pair, slip) in self.pairs.iter().zip(&slips) {
+            let Some(friction) = &pair.friction else { continue };
+            for (local, weight) in pair.kernel.weights().iter().enumerate() {
+                let group = friction.group(local);
+                let covered = weight * slip.coverage[group.start - friction.rows.start];
+                let rate = rates[group.clone()].iter().map(|rate| rate * rate).sum::<f64>().sqrt();
+                speeds[group].fill(if covered > 0.0 { rate / covered } else { 0.0 });
+            }
+        }
+        speeds
+    }
+
     /// Gradients of the tangential constraints of all pairs at the positions `q`, with zero slips; `pairs` are the normal constraints at
     /// `q`.
     pub fn slips_at_rest(&self, q: &[f64], pairs: &[Evaluation]) -> Vec<Evaluation> {

@@ -38,6 +38,8 @@ pub struct Conditions {
     /// True for each tangential constraint that may come to rest within the step, because it slipped in the previous one, or others of its
     /// contact did and it was open.
     pub stops: Vec<bool>,
+    /// Slip speed, for each constraint, at which the friction law of the step is evaluated; empty: at the speed of the slip itself.
+    pub lagged_speeds: Vec<f64>,
     /// Time step size, 0 at rest.
     pub dt: f64,
 }
@@ -259,6 +261,7 @@ impl<const D: usize> Equations<D> {
             shift,
             stiffness,
             stops: self.stops(active),
+            lagged_speeds: Vec::new(),
             dt: start.dt(),
         }
     }

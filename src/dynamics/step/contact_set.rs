@@ -72,6 +72,7 @@ impl<'a> SlipPlace<'a> {
             normal: sense * lambda[normal_row],
             sense,
             speed: if conditions.dt > 0.0 && length > 0.0 { 1.0 / (length * conditions.dt) } else { 0.0 },
+            lagged: conditions.lagged_speeds.get(first).copied(),
             around,
             compliance: conditions.compliance[first],
             c: friction.c,

@@ -117,6 +117,15 @@ impl<const D: usize> Equations<D> {
         closed.into_iter().find_map(|(pair, rows)| is_determined(rows).then_some(pair))
     }
 
+    /// True if coordinate constraints and supports determine a constraint of a contact pair at the positions `q`: no free motion changes
+    /// its gap.
+    pub fn is_determined(&self, pair: &ContactPair, row: usize, q: &[f64]) -> bool {
+        let mut evaluation = Evaluation::default();
+        pair.kernel.evaluate(Derivative::AT_END, q, &vec![0.0; pair.rows.len()], &mut evaluation);
+        let gradient = self.rows_of(pair, &evaluation).remove(&row);
+        gradient.is_some_and(|gradient| self.eliminate(q, |_, _, _| {}).remainder(gradient).1.is_none())
+    }
+
     /// Marks the constraints of obstacles at these nodes as redundant, with their tangential constraints.
     fn drop_obstacles_at(&self, nodes: &BTreeSet<u32>, redundant: &mut [bool]) {
         for pair in self.pairs.iter().filter(|pair| pair.kind == PairKind::Obstacle) {

@@ -31,6 +31,7 @@ impl SimulationHandle {
             StepError::OutOfMemory { .. }
             | StepError::Contradiction { .. }
             | StepError::Blocked { .. }
+            | StepError::Unyielding { .. }
             | StepError::Jammed { .. }
             | StepError::TurnsFar { .. }
             | StepError::TooLong { .. }
