@@ -49,13 +49,13 @@ where
         Ok(sums)
     }
 
-    /// Checks that the omitted equations of couplings, joints and rigid bodies, redundant at rest, hold.
+    /// Checks that the omitted equations of couplings, ties, joints and rigid bodies, redundant at rest, hold.
     ///
     /// # Errors
     /// [`StepError::Contradiction`]: an equation does not hold.
     fn check_left_out(&self, at: &Linearization, time: f64) -> Result<(), StepError> {
         for (pair, evaluation) in self.system.pairs.iter().zip(&at.pairs) {
-            if !matches!(pair.kind, PairKind::Coupling(_) | PairKind::Joint | PairKind::Rigidity) {
+            if !matches!(pair.kind, PairKind::Coupling(_) | PairKind::Joint | PairKind::Rigidity | PairKind::Tie) {
                 continue;
             }
             let left_out = pair.rows.clone().zip(&evaluation.gap).filter(|(row, _)| self.system.redundant[*row]);

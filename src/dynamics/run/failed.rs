@@ -4,8 +4,11 @@ use super::diagnosis::{Evidence, rigid_motion_of};
 use super::engine::Engine;
 use super::report::{FailureCause, FailureReport, TryReport};
 use crate::bodies::{Elements, Space};
+use crate::contact::ROUGH;
 use crate::dynamics::model::remedy::SmallerIncrements;
 use crate::dynamics::model::step_error::StepError;
+use crate::dynamics::parts::contact_pair::ContactPair;
+use crate::dynamics::parts::friction_rows::FrictionRows;
 use crate::dynamics::step::failure::Failure;
 use crate::dynamics::step::task::Trace;
 
@@ -62,8 +65,8 @@ where
             return StepError::Blocked { joint: stop.name.clone(), time };
         }
         if let Some(row) = violated
-            && let Some(pair) = self.system.pair_of(row).filter(|pair| pair.rows.contains(&row) && !pair.kind.is_bilateral())
-            && self.system.is_determined(pair, row, &self.state.positions)
+            && let Some(pair) = self.system.pair_of(row).filter(|pair| !pair.kind.is_bilateral() && always_holds(pair, row))
+            && self.system.is_determined(row, &self.state.positions)
         {
             return StepError::Unyielding { contact: pair.name.clone(), time };
         }
@@ -85,6 +88,12 @@ where
         let rigid = rigid_motion_of::<D>(&self.state.positions[range.clone()], &motion[range], MOSTLY);
         (body.name.clone(), rigid.unwrap_or_else(|| "deform".into()))
     }
+}
+
+/// True for normal constraints of a contact, and for tangential ones of rough surfaces, which do not slip.
+fn always_holds(pair: &ContactPair, row: usize) -> bool {
+    let is_rough = |friction: &FrictionRows| friction.coefficients[friction.normal_row(row)] >= ROUGH;
+    pair.rows.contains(&row) || pair.friction.as_ref().is_some_and(is_rough)
 }
 
 /// Report of one attempt at a step.

@@ -45,6 +45,9 @@ where
             }
             Excitation::Base(vector) => self.system.nodes.momenta_of(&self.carried_along(*vector)),
         };
+        if self.system.carries(&excited, &self.state.positions) {
+            return Err(HarmonicError::Nothing);
+        }
         let first = self.first_shift();
         let found = self.about_rest(|vibrations, _, is_interrupted| {
             let outcome = below_all(vibrations, first).and_then(|shift| Ok(search(vibrations, shift, excited, options, is_interrupted)?));

@@ -9,6 +9,7 @@ use crate::bodies::{Elements, Space};
 use crate::contact::{MotionBound, PredictedMotion};
 use crate::dynamics::model::step_error::StepError;
 use crate::dynamics::parts::contact_pair::PairKind;
+use crate::dynamics::step::conditions::Conditions;
 use crate::dynamics::step::failure::Failure;
 use crate::dynamics::step::newton::{Solution, solve};
 use crate::dynamics::step::predictor::{displacements_to, follow_prescribed, rigid_motion};
@@ -74,6 +75,22 @@ where
         Err(StepError::TurnsFar { boundary: boundary.into(), time, dt, angle })
     }
 
+    /// Eases the conditions of a step without a solution in the next way that applies; false if none is left.
+    fn ease(&self, conditions: &mut Conditions) -> bool {
+        // A slip that may stop within the step can leave the step without a solution.
+        if conditions.stops.contains(&true) {
+            conditions.stops.fill(false);
+            return true;
+        }
+        if !conditions.lagged_speeds.is_empty() {
+            return false;
+        }
+        // Where friction falls with the speed fast enough, as in impacts, a step has several solutions or none, however short it is: the
+        // coefficients are then those of the slips at its start.
+        conditions.lagged_speeds = self.system.slip_speeds(&self.state.positions, &self.state.velocities);
+        !conditions.lagged_speeds.is_empty()
+    }
+
     /// Takes a stage like [`Self::stage`], with the predicted motion times `factor` as motion bound.
     fn piece_within(&mut self, scheme: &Scheme, dt: f64, factor: f64, may_be_halved: bool) -> Result<State, Failure> {
         let (state, reach) = (self.state.clone(), self.options.reach);
@@ -129,21 +146,9 @@ where
                 interrupted: &|| options.interrupted(),
             };
             let outcome = solve(&mut self.system, &task, &mut self.statistics.newton_iterations, &mut self.trace);
-            if matches!(outcome, Ok(_) | Err(Failure::Fatal(_))) {
+            if matches!(outcome, Ok(_) | Err(Failure::Fatal(_))) || !self.ease(&mut conditions) {
                 break outcome?;
             }
-            if conditions.stops.contains(&true) {
-                // A slip that may stop within the step can leave the step without a solution: the second attempt excludes stops.
-                conditions.stops.fill(false);
-                continue;
-            }
-            // Where friction falls with the speed fast enough, as in impacts, a step has several solutions or none, however short it is: the
-            // last attempt takes the coefficients of the slips at its start.
-            let speeds = self.system.slip_speeds(&state.positions, &state.velocities);
-            if speeds.is_empty() || !conditions.lagged_speeds.is_empty() {
-                break outcome?;
-            }
-            conditions.lagged_speeds = speeds;
         };
         let taken_back = match self.check_search(&predicted_motion, MORE_MOTION, &solution) {
             Ok(()) if may_be_halved => {

@@ -8,6 +8,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::constraint_rows::ConstraintRows;
 use super::equations::Equations;
+use crate::bodies::{Elements, Space};
 use crate::contact::Evaluation;
 use crate::dynamics::parts::contact_pair::{ContactPair, PairKind};
 use crate::dynamics::parts::laws::Equation;
@@ -117,13 +118,27 @@ impl<const D: usize> Equations<D> {
         closed.into_iter().find_map(|(pair, rows)| is_determined(rows).then_some(pair))
     }
 
-    /// True if coordinate constraints and supports determine a constraint of a contact pair at the positions `q`: no free motion changes
-    /// its gap.
-    pub fn is_determined(&self, pair: &ContactPair, row: usize, q: &[f64]) -> bool {
-        let mut evaluation = Evaluation::default();
-        pair.kernel.evaluate(Derivative::AT_END, q, &vec![0.0; pair.rows.len()], &mut evaluation);
-        let gradient = self.rows_of(pair, &evaluation).remove(&row);
-        gradient.is_some_and(|gradient| self.eliminate(q, |_, _, _| {}).remainder(gradient).1.is_none())
+    /// True if coordinate constraints and supports determine a normal or tangential constraint at the positions `q`: no free motion changes
+    /// its gap or slip.
+    pub fn is_determined(&self, constraint: usize, q: &[f64]) -> bool
+    where
+        Space<D>: Elements<D>,
+    {
+        let pairs = self.evaluations_at(q);
+        let slips = self.slips_at_rest(q, &pairs);
+        let mut gradient = Row::new();
+        self.for_each_end_gradient([&pairs, &slips], |_, row, unknown, entry| {
+            if row == constraint {
+                *gradient.entry(unknown).or_insert(0.0) += entry;
+            }
+        });
+        !gradient.is_empty() && self.eliminate(q, |_, _, _| {}).remainder(gradient).1.is_none()
+    }
+
+    /// True if coordinate constraints and supports carry nodal forces wholly at the positions `q`: they do no work in any free motion.
+    pub fn carries(&self, forces: &[f64], q: &[f64]) -> bool {
+        let acting = forces.iter().copied().enumerate().filter(|(_, force)| *force != 0.0).collect();
+        self.eliminate(q, |_, _, _| {}).remainder(acting).1.is_none()
     }
 
     /// Marks the constraints of obstacles at these nodes as redundant, with their tangential constraints.

@@ -20,7 +20,7 @@ pub struct Frame {
     pub points: Vec<[f64; 3]>,
     /// Displacement of the points.
     pub displacement: Vec<[f64; 3]>,
-    /// Facets of the hull of every body by their corners.
+    /// Facets of the hull of every body by their corners, in the plane with the node between them.
     pub hulls: Vec<Vec<Vec<usize>>>,
 }
 
@@ -47,7 +47,8 @@ impl Frame {
                 CellKind::ALL.iter().find(|kind| kind.nodes() == nodes.len() && kind.dimension() == dimension).ok_or("a strange cell")?;
             let corners = kind.shape().corners();
             for facet in kind.facets() {
-                let facet: Vec<usize> = facet.iter().filter(|&&local| local < corners).map(|&local| nodes[local] as usize).collect();
+                let is_kept = |local: usize| is_plane || local < corners;
+                let facet: Vec<usize> = facet.iter().filter(|&&local| is_kept(local)).map(|&local| nodes[local] as usize).collect();
                 let mut key = facet.clone();
                 key.sort_unstable();
                 let entry = found[of].entry(key).or_insert((0, facet));
@@ -99,7 +100,11 @@ impl Frame {
             let [x, y, _] = self.place(node);
             [x, y]
         };
-        hull.iter().map(|facet| [point(facet[0]), point(facet[1])]).collect()
+        let pieces = |facet: &Vec<usize>| match facet[..] {
+            [start, end, middle] => vec![[start, middle], [middle, end]],
+            _ => vec![[facet[0], facet[1]]],
+        };
+        hull.iter().flat_map(pieces).map(|ends| ends.map(point)).collect()
     }
 
     fn mutual(&self, is_plane: bool) -> f64 {
