@@ -320,7 +320,7 @@ fn scripts_are_reproducible_to_the_last_bit() {
 }
 
 /// Scenarios that run longest, with parameters that shorten them where their checks allow it; they begin first, so that both threads end at
-/// about the same time. `cargo run --release --example gallery` runs them as they are.
+/// about the same time. `cargo example gallery` runs them as they are.
 const LONGEST: [(&str, &[(&str, &str)]); 17] = [
     ("lees_frame", &[]),
     ("gears", &[("dt", "0.02")]),

@@ -1,7 +1,7 @@
 //! Random scenes with oracles that are independent of the kernels: energies, momenta and penetrations from positions and velocities alone.
 //!
-//! Sixty scenes here, thousands by `cargo run --release --example scenes`. Methods and rules cycle with the seeds. A failure is named
-//! with its seed: `cargo run --release --example scenes -- --shrink SEED --method M --rule R` reduces it to a small script.
+//! Sixty scenes here, thousands by `cargo example scenes`. Methods and rules cycle with the seeds. A failure is named
+//! with its seed: `cargo example scenes -- --shrink SEED --method M --rule R` reduces it to a small script.
 
 mod common;
 #[path = "common/scenes/mod.rs"]
@@ -232,7 +232,7 @@ fn the_reach_of_the_search_changes_nothing() {
 }
 
 /// Disks and polylines of a twentieth of a facet to five facets, at rest and moving by up to five facets a step. More cases, and planes:
-/// `cargo run --release --example obstacles`.
+/// `cargo example obstacles`.
 #[test]
 fn obstacles_of_any_size_and_speed_stay_outside() {
     let cases = OBSTACLES.map(Case::random).filter(|case| !matches!(case.form, Form::Plane { .. }));
@@ -304,7 +304,7 @@ fn depth_is_measured_where_it_is() {
     assert!(near(depth.length, 0.1), "{depth:?}");
 }
 
-/// Elastic-plastic bodies: ten scenes in each formulation, more by `cargo run --release --example yielding`.
+/// Elastic-plastic bodies: ten scenes in each formulation, more by `cargo example yielding`.
 #[test]
 fn bodies_that_yield_turn_energy_into_heat_and_gain_none() {
     let next = AtomicUsize::new(0);
