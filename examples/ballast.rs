@@ -1,5 +1,5 @@
 //! A force element with a mass, implemented outside of the crate: ballast at a corner of the block of `newmark.rs`, which vibrates on a
-//! spring. Prints the largest difference from the closed form, and its order. `cargo run --release --example ballast`
+//! spring. Prints the largest difference from the closed form, and its order. `cargo example ballast`
 
 use std::error::Error;
 use std::f64::consts::TAU;

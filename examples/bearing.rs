@@ -1,7 +1,7 @@
 //! Bearing of Hesch and Betsch (2007) with the kernels alone, without a script: two rings in frictionless mortar contact, spun up by a
 //! torque, then free. Prints the ledger of every 20th step and the drift of the energy.
 //!
-//! `cargo run --release --example bearing -- [refine] [dt] [until]`
+//! `cargo example bearing -- [refine] [dt] [until]`
 
 use std::error::Error;
 

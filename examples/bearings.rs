@@ -3,7 +3,7 @@
 //!
 //! One line for each run, a summary for each rule.
 //!
-//! `cargo run --release --example bearings -- [count] [--rule R] [--method M] [--refine N] [--until T] [--threads N]`
+//! `cargo example bearings -- [count] [--rule R] [--method M] [--refine N] [--until T] [--threads N]`
 
 use std::collections::BTreeMap;
 use std::sync::Mutex;

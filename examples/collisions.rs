@@ -6,7 +6,7 @@
 //! steps. Their recommended algorithm halved no step with 3.6 iterations; with three times the step size (a stress test with an approach of
 //! up to one and a half facets a step) 3.8 iterations in 40 steps.
 //!
-//! `cargo run --release --example collisions -- [number of collisions] [factor of the step] [gap | persistency | velocity | penalty] [a
+//! `cargo example collisions -- [number of collisions] [factor of the step] [gap | persistency | velocity | penalty] [a
 //! contact method, such as mortar] [augmented]`
 
 use std::error::Error;

@@ -1,6 +1,6 @@
 //! Time of one contact evaluation of two rings in mortar contact, per active facet pair; no script, no solver.
 //!
-//! Run with `cargo run --release --example contact_timing`. The rings are those of the bearing scenario, refined by 1, 2, 4.
+//! Run with `cargo example contact_timing`. The rings are those of the bearing scenario, refined by 1, 2, 4.
 
 use std::f64::consts::TAU;
 use std::hint::black_box;

@@ -1,6 +1,6 @@
 //! A force element implemented outside of the crate: a dashpot, whose energy becomes heat with every time integrator. Prints the difference
 //! of a block on a spring and a dashpot from the closed form, and the ledger defect including the heat.
-//! `cargo run --release --example dashpot`
+//! `cargo example dashpot`
 
 use std::error::Error;
 use std::sync::Arc;

@@ -5,7 +5,7 @@
 //! it is in facets: the length of the slice follows. Rows of plane rings (plane stress) are polygons around the axis, which converge to
 //! Lamé's solution with refinement, and for more than small strains to a limit of their own.
 //!
-//! `cargo run --release --example fits -- [most cells around]`
+//! `cargo example fits -- [most cells around]`
 
 use std::error::Error;
 

@@ -1,7 +1,7 @@
 //! Random scripts with friction in space (`tests/common/friction/`): rigid bodies, soft bodies, friction work of every integrator, first
 //! steps. Prints a line for each run with a fault, then a table.
 //!
-//! `cargo run --release --example friction -- --kind rigid|soft|work|first_step [--runs N] [--seed FIRST]`; `--script SEED` prints one
+//! `cargo example friction -- --kind rigid|soft|work|first_step [--runs N] [--seed FIRST]`; `--script SEED` prints one
 //! script.
 
 use std::cell::RefCell;

@@ -1,6 +1,6 @@
 //! Damaged files of every format that is read back, for some seconds: no panic (including caught ones), no hang, no exhausted memory.
 //!
-//! `cargo run --release --example fuzz_files -- 1800 [SEED]`. A small run makes one file of each kind; mesh files are those of the tests
+//! `cargo example fuzz_files -- 1800 [SEED]`. A small run makes one file of each kind; mesh files are those of the tests
 //! (`examples/fuzz_meshes.rs` damages thousands of them). Checkpoints get the checksum of their damaged content, so that it is read, and
 //! some are resumed. The file being read is in the folder `fuzz_files_SEED` in the folder for temporary files. A seed reproduces the files.
 

@@ -1,6 +1,6 @@
 //! Damaged mesh files for some seconds: no panic, no hang, no exhausted memory.
 //!
-//! `cargo run --release --example fuzz_meshes -- 1800 [SEED]`. The content being read is in `fuzz_mesh_SEED` in the folder for temporary
+//! `cargo example fuzz_meshes -- 1800 [SEED]`. The content being read is in `fuzz_mesh_SEED` in the folder for temporary
 //! files, so that it is available even if the process dies; a seed reproduces the files.
 
 use std::time::{Duration, Instant};

@@ -1,8 +1,8 @@
 //! The gallery: runs every scenario and tutorial and writes `docs/gallery.md` with a picture of each.
 //!
 //! ```text
-//! cargo run --release --example gallery              all of them, half a minute
-//! cargo run --release --example gallery bearing      only those whose path contains the word; the others keep their pictures
+//! cargo example gallery              all of them, half a minute
+//! cargo example gallery bearing      only those whose path contains the word; the others keep their pictures
 //! ```
 //!
 //! `tests/gallery.rs` checks that every script is in the gallery with a picture.
@@ -123,7 +123,7 @@ fn picture_name(script: &str, shown: &str) -> String {
 /// The gallery's text: each script's first words beside its picture.
 fn page(repository: &Path) -> Result<String, Box<dyn Error>> {
     let mut page = String::from(
-        "# Gallery\n\nEvery scenario and tutorial in `scripts/`, with a picture that it makes. `cargo run --release --example gallery` \
+        "# Gallery\n\nEvery scenario and tutorial in `scripts/`, with a picture that it makes. `cargo example gallery` \
          runs them all and writes this page.\n",
     );
     for (folder, title) in [("scenarios", "Scenarios"), ("tutorials", "Tutorials")] {

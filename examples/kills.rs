@@ -3,7 +3,7 @@
 //!
 //! One line for each script with a fault, then the sums.
 //!
-//! `cargo run --release --example kills -- [count] [--first SEED] [--threads N] [--folder DIR]`, or one script with `--script SEED`. The
+//! `cargo example kills -- [count] [--first SEED] [--threads N] [--folder DIR]`, or one script with `--script SEED`. The
 //! program is the one beside this example.
 
 use std::error::Error;

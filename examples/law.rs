@@ -1,7 +1,7 @@
 //! A material law implemented outside of the crate: its resistance to a change of volume grows with the change.
 //!
 //! A laterally constrained column is compressed; the program prints the difference of its height from the closed form, and after unloading
-//! the change of the energy. `cargo run --release --example law`
+//! the change of the energy. `cargo example law`
 
 use std::error::Error;
 

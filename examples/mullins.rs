@@ -2,7 +2,7 @@
 //! a damage of the whole energy (Simo, Computer Methods in Applied Mechanics and Engineering 60, 1987).
 //!
 //! Prints the difference of the pressure of a column from the closed form under loading, unloading and further loading, and the defect of
-//! the balance of stored energy and heat of a column in motion. `cargo run --release --example mullins`
+//! the balance of stored energy and heat of a column in motion. `cargo example mullins`
 
 use conserva::dynamics::{LoadKind, Model, Options, Simulation, Table};
 use conserva::integrators::ENERGY_MOMENTUM;

@@ -1,7 +1,7 @@
 //! A time integrator implemented outside of the crate: Newmark's method with any `beta` and `gamma`.
 //!
 //! A block on a spring vibrates after an initial displacement. The program prints the largest difference from the closed form, its order in
-//! the step size, and the change of the energy. `cargo run --release --example newmark`
+//! the step size, and the change of the energy. `cargo example newmark`
 
 use std::error::Error;
 use std::f64::consts::TAU;

@@ -1,7 +1,7 @@
 //! Random bodies against random rigid obstacles, judged from positions alone: disks, planes and polylines of a twentieth of a facet to five
 //! facets, at rest or moving by up to five facets a step.
 //!
-//! One line for each case with a fault, then sums. `cargo run --release --example obstacles -- [count] [--first SEED] [--seed SEED]`.
+//! One line for each case with a fault, then sums. `cargo example obstacles -- [count] [--first SEED] [--seed SEED]`.
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};

@@ -1,6 +1,6 @@
 //! Products of the catalogues: small models that combine a row of every catalogue, judged from their files.
 //!
-//! `cargo run --release --example products -- [count] [--first SEED] [--threads N]` runs random ones, one line for each with a fault, then
+//! `cargo example products -- [count] [--first SEED] [--threads N]` runs random ones, one line for each with a fault, then
 //! sums. `--cover` runs the covering array and lists refusals with their codes. `--product "ROWS"` runs one product (in the notation of the
 //! lines) and prints its script, `--shrink "ROWS"` reduces it first.
 

@@ -3,7 +3,7 @@
 //!
 //! One line for each run with a fault, then a table for each method and rule. A seed gives the same scene with every method and rule.
 //!
-//! `cargo run --release --example scenes -- [count] [--rule R] [--method M] [--first SEED] [--dt-factor F] [--kind K] [--threads
+//! `cargo example scenes -- [count] [--rule R] [--method M] [--first SEED] [--dt-factor F] [--kind K] [--threads
 //! N]`; with `--reach F` every run is compared, to the last byte, with one whose contact search horizon is `F` times as large; or for one
 //! scene `--seed N` (every step in numbers), `--script N` (as a script), `--shrink N` (reduced with the same kind of failure).
 

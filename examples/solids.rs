@@ -1,7 +1,7 @@
 //! Hundreds of random scenes of bodies in space, judged by oracles that are independent of the kernels (`tests/common/solids.rs`): one line
 //! for each run with a fault, then a table for each rule.
 //!
-//! `cargo run --release --example solids -- [count] [--first SEED] [--rule R] [--friction MU]`, or `--seed N` for one
+//! `cargo example solids -- [count] [--first SEED] [--rule R] [--friction MU]`, or `--seed N` for one
 
 use std::error::Error;
 use std::sync::Mutex;

@@ -1,7 +1,7 @@
 //! The verification manual: runs the scripts in `tests/verification` and writes `docs/verification.md` with their results.
 //!
 //! ```text
-//! cargo run --release --example verification
+//! cargo example verification
 //! ```
 //!
 //! The test `verification` compares every row.

@@ -1,7 +1,7 @@
 //! Hundreds of random impacts of elastic-plastic bodies, judged by the ledger (`tests/common/yielding.rs`): one line for each run that has
 //! a fault or does not complete, then a line for each formulation.
 //!
-//! `cargo run --release --example yielding -- [count] [--first SEED]`, or `--seed N` for every step of one
+//! `cargo example yielding -- [count] [--first SEED]`, or `--seed N` for every step of one
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};

@@ -1,4 +1,4 @@
-//! The bearing over a grid of step sizes, torques, methods and rules: a few here, some hundred by `cargo run --release --example bearings`.
+//! The bearing over a grid of step sizes, torques, methods and rules: a few here, some hundred by `cargo example bearings`.
 
 #[path = "common/bearings.rs"]
 mod bearings;

@@ -28,9 +28,9 @@ fn every_script_stands_in_the_gallery_with_a_picture() {
         let names = files(&repository().join("scripts").join(folder));
         scripts.extend(names.into_iter().filter(|name| name.ends_with(".rhai")).map(|name| format!("{folder}/{name}")));
     }
-    assert_eq!(links(&page, "../scripts/"), scripts, "run `cargo run --release --example gallery`");
+    assert_eq!(links(&page, "../scripts/"), scripts, "run `cargo example gallery`");
     let folder = repository().join("docs/images/gallery");
-    assert_eq!(links(&page, "images/gallery/"), files(&folder), "run `cargo run --release --example gallery`");
+    assert_eq!(links(&page, "images/gallery/"), files(&folder), "run `cargo example gallery`");
     assert_eq!(links(&page, "images/gallery/").len(), scripts.len());
     for name in files(&folder) {
         let bytes = std::fs::read(folder.join(&name)).unwrap();
@@ -47,6 +47,6 @@ fn the_gallery_says_what_the_scripts_say() {
     for script in links(&page, "../scripts/") {
         let text = std::fs::read_to_string(repository().join("scripts").join(&script)).unwrap();
         let first = text.lines().next().unwrap().trim_start_matches('/').trim();
-        assert!(page.contains(first), "{script} begins with other words: run `cargo run --release --example gallery`");
+        assert!(page.contains(first), "{script} begins with other words: run `cargo example gallery`");
     }
 }

@@ -1,6 +1,6 @@
 //! Products of the catalogues: random ones, and every allowed pair of rows, in small models that are judged from their files.
 //!
-//! More random products, with reduction of failing ones: `cargo run --release --example products -- 1000 --shrink-all`. Known refusals are
+//! More random products, with reduction of failing ones: `cargo example products -- 1000 --shrink-all`. Known refusals are
 //! listed in `products/refused.txt`, so that their causes need not be searched; `--cover` rewrites this table. Known violations that are to
 //! be repaired are listed in `products/known.txt` and, for the array of all pairs, in `products/known_of_pairs.txt`.
 

@@ -80,8 +80,16 @@ fn every_registered_name_is_in_the_reference() {
 #[test]
 fn every_example_runs() {
     let mut failures = Vec::new();
+    // Examples of functions run as files, with a folder for what they write.
+    let home = Path::new(env!("CARGO_TARGET_TMPDIR")).join("reference-examples");
+    let _ = std::fs::remove_dir_all(&home);
+    std::fs::create_dir_all(&home).expect("the folder can be made");
+    let script = home.join("main.rhai");
     for function in functions() {
-        if let Err(error) = session().evaluate("example", &function.example) {
+        std::fs::write(&script, function.example.as_bytes()).expect("the script can be written");
+        let settings = Settings { output: Some(home.join("out")), ..Settings::default() };
+        let report = Session::new(settings, &home, Rc::new(Silent)).expect("the session begins").run_file(&script);
+        if let Some(error) = report.error {
             failures.push(format!("{}:\n{}", function.signature(), error.render(conserva::script::Ink::Plain)));
         }
     }

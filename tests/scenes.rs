@@ -1,7 +1,7 @@
 //! Random scenes with oracles that are independent of the kernels: energies, momenta and penetrations from positions and velocities alone.
 //!
-//! Sixty scenes here, thousands by `cargo run --release --example scenes`. Methods and rules cycle with the seeds. A failure is named
-//! with its seed: `cargo run --release --example scenes -- --shrink SEED --method M --rule R` reduces it to a small script.
+//! Sixty scenes here, thousands by `cargo example scenes`. Methods and rules cycle with the seeds. A failure is named
+//! with its seed: `cargo example scenes -- --shrink SEED --method M --rule R` reduces it to a small script.
 
 mod common;
 #[path = "common/scenes/mod.rs"]
@@ -157,7 +157,10 @@ fn rest_stays_rest() {
 }
 
 /// Positions of all nodes after every step, and the step of the first touch.
-fn journey(scene: &Scene, after: usize) -> (Vec<Vec<Point>>, usize) {
+type Journey = (Vec<Vec<Point>>, usize);
+
+/// Runs a scene until some steps after the first touch.
+fn journey(scene: &Scene, after: usize) -> Journey {
     let mut sim = simulate(scene).expect("the scene is sound");
     let (mut places, mut touched) = (Vec::new(), usize::MAX);
     for step in 1..=scene.steps {
@@ -170,6 +173,15 @@ fn journey(scene: &Scene, after: usize) -> (Vec<Vec<Point>>, usize) {
     (places, touched)
 }
 
+/// Steps of contact that are compared with those of an image.
+const AFTER_TOUCH: usize = 3;
+
+/// Journey of the scene of a seed, run once for all its images.
+fn journey_of(seed: u64) -> &'static Journey {
+    static JOURNEYS: [OnceLock<Journey>; PAIRS as usize] = [const { OnceLock::new() }; PAIRS as usize];
+    JOURNEYS[seed as usize].get_or_init(|| journey(&scene(seed), AFTER_TOUCH))
+}
+
 /// A scene and its image have the same motion: in free flight to round-off, and for a few steps of contact to Newton's tolerance.
 ///
 /// The tolerance is 1e-13 of the energy, so velocities are exact to 3e-7 of the speed, and a step moves less than a facet. Later, contact
@@ -177,16 +189,16 @@ fn journey(scene: &Scene, after: usize) -> (Vec<Vec<Point>>, usize) {
 fn assert_same_way(image: impl Fn(&Scene) -> Scene, place: impl Fn(Point) -> Point) {
     let differs = |seed: u64| {
         let scene = scene(seed);
-        let ((ours, touched), (theirs, touched_there)) = (journey(&scene, 3), journey(&image(&scene), 3));
+        let ((ours, touched), (theirs, touched_there)) = (journey_of(seed), &journey(&image(&scene), AFTER_TOUCH));
         let apart = |(a, b): (&Vec<Point>, &Vec<Point>)| a.iter().zip(b).map(|(a, b)| length(subtract(place(*a), *b))).fold(0.0, f64::max);
-        let ways: Vec<f64> = ours.iter().zip(&theirs).map(apart).collect();
-        let (free, contact) = ways.split_at(ways.len().min(touched.min(touched_there) - 1));
+        let ways: Vec<f64> = ours.iter().zip(theirs).map(apart).collect();
+        let (free, contact) = ways.split_at(ways.len().min(*touched.min(touched_there) - 1));
         let largest = |ways: &[f64]| ways.iter().copied().fold(0.0, f64::max);
         let facet = scene.outlines().expect("shapes can be meshed").iter().map(Outline::shortest).fold(f64::INFINITY, f64::min);
         let limit = UNDETERMINED.iter().find(|(known, _)| *known == seed).map_or(1e-6, |(_, limit)| *limit);
         let differs = largest(free) > 1e-11 || largest(contact) > limit * facet || touched != touched_there;
         let line = || {
-            let (first, first_there) = (Step(touched), Step(touched_there));
+            let (first, first_there) = (Step(*touched), Step(*touched_there));
             let (free, contact) = (largest(free), largest(contact) / facet);
             format!("seed {seed} ({:?}): free {free:.0e}, in contact {contact:.0e} facets, touching {first} and {first_there}", scene.kind)
         };
@@ -232,7 +244,7 @@ fn the_reach_of_the_search_changes_nothing() {
 }
 
 /// Disks and polylines of a twentieth of a facet to five facets, at rest and moving by up to five facets a step. More cases, and planes:
-/// `cargo run --release --example obstacles`.
+/// `cargo example obstacles`.
 #[test]
 fn obstacles_of_any_size_and_speed_stay_outside() {
     let cases = OBSTACLES.map(Case::random).filter(|case| !matches!(case.form, Form::Plane { .. }));
@@ -304,7 +316,7 @@ fn depth_is_measured_where_it_is() {
     assert!(near(depth.length, 0.1), "{depth:?}");
 }
 
-/// Elastic-plastic bodies: ten scenes in each formulation, more by `cargo run --release --example yielding`.
+/// Elastic-plastic bodies: ten scenes in each formulation, more by `cargo example yielding`.
 #[test]
 fn bodies_that_yield_turn_energy_into_heat_and_gain_none() {
     let next = AtomicUsize::new(0);

@@ -9,7 +9,7 @@
 //! ```
 //!
 //! (Simo and Tarnow, ZAMP 43, 1992; Gonzalez 2000), plus the consistent mass with the weight of the time integrator. The computations for a
-//! batch of eight cells are in `batch.rs` and `workspace.rs`; this module assembles the results. Unused lanes of the last batch repeat its
+//! batch of eight cells are in `batch.rs` and `workspace.rs`, the sums in `assembly.rs`. Unused lanes of the last batch repeat its
 //! first cell and are not assembled.
 
 use std::ops::Range;
@@ -33,11 +33,11 @@ use crate::mesh::{Block as MeshBlock, Mesh};
 
 /// Places of the blocks of a cell in the array of values.
 #[derive(Clone, Copy)]
-struct Places<const A: usize> {
+pub(super) struct Places<const A: usize> {
     /// Columns of the unknowns of each node: position of the first value, and length.
-    columns: [Block; A],
+    pub(super) columns: [Block; A],
     /// Position of the block of node `a` inside a column of node `b`: `rows[b][a]`.
-    rows: [[u32; A]; A],
+    pub(super) rows: [[u32; A]; A],
 }
 
 /// The cells of a body.
@@ -46,15 +46,15 @@ pub(super) struct Cells<const D: usize, const S: usize, const L: usize, const A:
     cliques: Vec<Vec<u32>>,
     pub(super) table: Table<D, A, Q>,
     pub(super) batches: Vec<Batch<D, A>>,
-    places: Vec<Places<A>>,
+    pub(super) places: Vec<Places<A>>,
     rounds: Vec<Vec<PlacedRun<D>>>,
 }
 
 /// Run of cells, with the range of its nodes' columns in the matrix values; ranges are empty before a matrix is placed.
-struct PlacedRun<const D: usize> {
-    run: Run,
-    values: Range<usize>,
-    fresh_values: Vec<Range<usize>>,
+pub(super) struct PlacedRun<const D: usize> {
+    pub(super) run: Run,
+    pub(super) values: Range<usize>,
+    pub(super) fresh_values: Vec<Range<usize>>,
 }
 
 impl<const D: usize> PlacedRun<D> {
@@ -113,33 +113,6 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
     /// Volumes, displacement gradients and strains of a batch at its points; those of the undeformed cells if `u` is `None`.
     pub(super) fn deform(&self, batch: &Batch<D, A>, u: Option<&[f64]>) -> Deformation<D, S, Q> {
         dispatch(Deform { cells: self, batch, u })
-    }
-
-    /// Adds forces and matrix values of a run's cells to its span of nodes; parts without contributions of earlier rounds are zeroed first.
-    fn assemble_run(&self, step: &Step, placed: &PlacedRun<D>, force: &mut [f64], mut values: Option<&mut [f64]>) -> Result<(), Inverted> {
-        let PlacedRun { run, values: places, fresh_values } = placed;
-        let (first_unknown, first_value) = (run.nodes.start * D, places.start);
-        for nodes in &run.fresh {
-            force[nodes.start * D - first_unknown..nodes.end * D - first_unknown].fill(0.0);
-        }
-        if let Some(values) = &mut values {
-            for places in fresh_values {
-                values[places.start - first_value..places.end - first_value].fill(0.0);
-            }
-        }
-        let sums = Sums { force, values, first_unknown, first_value };
-        let batches = run.cells.start / WIDTH..run.cells.end.div_ceil(WIDTH);
-        dispatch(Assemble { cells: self, step, batches, sums, geometric: 1.0 }).map_err(|batch| {
-            let determinants = self.deform(&self.batches[batch], Some(step.u_1)).smallest_determinants;
-            let lane = (0..WIDTH).find(|&lane| determinants[lane].is_nan() || determinants[lane] <= 0.0).unwrap_or_default();
-            Inverted { cell: batch * WIDTH + lane, determinant: determinants[lane] }
-        })
-    }
-
-    /// Adds forces and tangent of a step with `geometric` times the geometric stiffness, for a configuration without inverted cells.
-    fn add_all(&self, step: &Step, force: &mut [f64], values: Option<&mut [f64]>, geometric: f64) {
-        let sums = Sums { force, values, first_unknown: 0, first_value: 0 };
-        let _ = dispatch(Assemble { cells: self, step, batches: 0..self.batches.len(), sums, geometric });
     }
 
     /// Model node numbers of a cell, given its batch and lane.
@@ -210,40 +183,6 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
         }
         true
     }
-
-    /// Adds the force of the cells of a batch.
-    #[inline(always)]
-    fn scatter_force<const FMA: bool>(&self, index: usize, work: &Workspace<FMA, D, S, A, Q>, sums: &mut Sums) {
-        let batch = &self.batches[index];
-        for lane in 0..batch.count {
-            for a in 0..many::<A>() {
-                let force = &mut sums.force[batch.nodes[a][lane] as usize * D - sums.first_unknown..][..D];
-                for i in 0..D {
-                    force[i] += work.force[a][i].0[lane];
-                }
-            }
-        }
-    }
-
-    /// Adds the tangent of a batch's cells to values that start at `first_value`.
-    #[inline(always)]
-    fn scatter_tangent<const FMA: bool>(&self, index: usize, work: &Workspace<FMA, D, S, A, Q>, values: &mut [f64], first_value: usize) {
-        let count = self.batches[index].count;
-        for (lane, places) in self.places[index * WIDTH..][..count].iter().enumerate() {
-            for b in 0..many::<A>() {
-                let Block { start, stride } = places.columns[b];
-                for k in 0..D {
-                    let column = &mut values[start as usize + k * stride as usize - first_value..][..stride as usize];
-                    for a in 0..many::<A>() {
-                        let values = &mut column[places.rows[b][a] as usize..][..D];
-                        for i in 0..D {
-                            values[i] += work.tangent[b][k][a][i].0[lane];
-                        }
-                    }
-                }
-            }
-        }
-    }
 }
 
 /// Deformation of a batch at its points.
@@ -255,7 +194,7 @@ pub(super) struct Deformation<const D: usize, const S: usize, const Q: usize> {
     pub(super) strain: [Components<S>; Q],
     /// Point data for a special stress (hoop strain, dilatation of the cell), if the body has one.
     pub(super) special: Option<Box<SpecialPoints<D>>>,
-    smallest_determinants: [f64; WIDTH],
+    pub(super) smallest_determinants: [f64; WIDTH],
 }
 
 struct Deform<'a, const D: usize, const S: usize, const L: usize, const A: usize, const Q: usize> {
@@ -296,47 +235,6 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
             deformation.special = Some(Box::new(points));
         }
         deformation
-    }
-}
-
-/// Accumulators for the forces and, if requested, matrix values of a span of nodes.
-struct Sums<'a> {
-    force: &'a mut [f64],
-    values: Option<&'a mut [f64]>,
-    first_unknown: usize,
-    first_value: usize,
-}
-
-/// Force and tangent of a range of batches.
-struct Assemble<'a, const D: usize, const S: usize, const L: usize, const A: usize, const Q: usize> {
-    cells: &'a Cells<D, S, L, A, Q>,
-    step: &'a Step<'a>,
-    batches: Range<usize>,
-    sums: Sums<'a>,
-    /// Factor of the geometric stiffness in the tangent: 1, or 0 for the material stiffness only.
-    geometric: f64,
-}
-
-impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: usize> Kernel for Assemble<'_, D, S, L, A, Q> {
-    /// Fails with the index of the first batch that has an inverted cell.
-    type Output = Result<(), usize>;
-
-    #[inline(always)]
-    fn run<const FMA: bool>(self) -> Result<(), usize> {
-        let Assemble { cells, step, batches, mut sums, geometric } = self;
-        let mut work = Workspace::<FMA, D, S, A, Q>::new(cells.physics.strain);
-        let mut answer = None;
-        for index in batches {
-            let geometric = sums.values.is_some().then_some(geometric);
-            if !cells.respond(index, step, &mut work, &mut answer, geometric) {
-                return Err(index);
-            }
-            if let Some(values) = &mut sums.values {
-                cells.scatter_tangent(index, &work, values, sums.first_value);
-            }
-            cells.scatter_force(index, &work, &mut sums);
-        }
-        Ok(())
     }
 }
 

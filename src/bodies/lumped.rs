@@ -3,13 +3,11 @@
 //! No vibration of a body is faster than the fastest vibration of a single cell (Hughes, The Finite Element Method, 1987, section 9.2),
 //! which is bounded by norms of `m^-1/2 K_e m^-1/2`.
 
-use super::batch::{Batch, many};
+use super::batch::Batch;
 use super::cells::Cells;
-use super::element_loop::{FastestCell, Step};
-use super::workspace::Workspace;
-use crate::integrators::{Derivative, Lumping};
-use crate::math::lanes::{Lanes, WIDTH};
-use crate::math::simd::{Kernel, dispatch};
+use super::element_loop::FastestCell;
+use crate::integrators::Lumping;
+use crate::math::lanes::WIDTH;
 
 /// Row sum of a cell's mass, relative to the cell mass, below which it counts as zero: corners of straight quadratic triangles have row sum
 /// 0, corners of `hex27` 1/216.
@@ -72,7 +70,7 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
         let by_row_sums = self.takes_row_sums(lumping);
         let mut fastest = FastestCell { cell: 0, frequency_squared: 0.0 };
         for (index, batch) in self.batches.iter().enumerate() {
-            let (stiffness, masses) = (dispatch(Stiffness { cells: self, index, u }), self.nodal_masses(batch, by_row_sums));
+            let (stiffness, masses) = (self.stiffness(index, u), self.nodal_masses(batch, by_row_sums));
             for lane in 0..batch.count {
                 let (mut squares, mut largest) = (0.0, 0.0f64);
                 for (a, i) in (0..A).flat_map(|a| (0..D).map(move |i| (a, i))) {
@@ -91,38 +89,5 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
             }
         }
         fastest
-    }
-}
-
-/// Derivatives of forces on nodes, as [`Workspace::tangent`].
-type Tangent<const D: usize, const A: usize> = [[[[Lanes<false>; D]; A]; D]; A];
-
-/// Stiffness of eight cells at given displacements.
-struct Stiffness<'a, const D: usize, const S: usize, const L: usize, const A: usize, const Q: usize> {
-    cells: &'a Cells<D, S, L, A, Q>,
-    index: usize,
-    u: &'a [f64],
-}
-
-impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: usize> Kernel for Stiffness<'_, D, S, L, A, Q> {
-    type Output = Box<Tangent<D, A>>;
-
-    #[inline(always)]
-    fn run<const FMA: bool>(self) -> Box<Tangent<D, A>> {
-        let Stiffness { cells, index, u } = self;
-        let mut work = Workspace::<FMA, D, S, A, Q>::new(cells.physics.strain);
-        let step = Step { derivative: Derivative::AT_END, weight: 1.0, inertia: 0.0, u_0: u, u_1: u, history: &[], dt: 0.0 };
-        cells.respond(index, &step, &mut work, &mut None, Some(1.0));
-        let mut tangent = Box::new([[[[Lanes::ZERO; D]; A]; D]; A]);
-        for b in 0..many::<A>() {
-            for k in 0..D {
-                for a in 0..many::<A>() {
-                    for i in 0..D {
-                        tangent[b][k][a][i] = Lanes(work.tangent[b][k][a][i].0);
-                    }
-                }
-            }
-        }
-        tangent
     }
 }

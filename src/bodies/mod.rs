@@ -4,6 +4,7 @@
 //! The loop works on batches of eight elements and combines three independent choices: cell kind (shape functions), material (a virtual
 //! call per batch) and time integrator (algorithmic gradient, place of evaluation).
 
+mod assembly;
 mod batch;
 mod blocks;
 mod cells;

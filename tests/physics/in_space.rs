@@ -1,4 +1,4 @@
-//! Random scenes of bodies in space; `cargo run --release --example solids` runs them by the hundred.
+//! Random scenes of bodies in space; `cargo example solids` runs them by the hundred.
 
 #[path = "../common/solids.rs"]
 mod solids;

@@ -318,7 +318,7 @@ fn random_scripts_call_every_function_of_the_language() {
     }
 }
 
-/// A part of the runs of `cargo run --release --example kills`.
+/// A part of the runs of `cargo example kills`.
 #[test]
 fn random_scripts_end_as_if_nobody_had_killed_them() {
     let home = program::empty_folder("kills");

@@ -40,7 +40,7 @@ fn every_row_is_within_its_tolerance_and_in_the_manual() {
                 wrong.push(format!("outside: {name}: {row:?}"));
             }
             if !page.contains(&row.head()) {
-                wrong.push(format!("not in docs/verification.md: {}: run `cargo run --release --example verification`", row.head()));
+                wrong.push(format!("not in docs/verification.md: {}: run `cargo example verification`", row.head()));
             }
         }
     }

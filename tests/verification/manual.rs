@@ -86,7 +86,7 @@ pub fn page(all: &[(&str, Vec<Row>)]) -> String {
         "# Verification manual\n\n{count} values that are known from closed forms and publications, and what Conserva computes: {held} are \
          within their tolerances. Differences are relative to what is expected, unless they are called absolute. The scripts are in \
          [`tests/verification`](../tests/verification); the tests run them and compare every row.\n\n\
-         `cargo run --release --example verification` runs them and writes this page. Last digits depend on the processor.\n\n\
+         `cargo example verification` runs them and writes this page. Last digits depend on the processor.\n\n\
          | chapter | rows | largest share of a tolerance |\n|---|---|---|\n"
     );
     for (name, rows) in all {

@@ -10,7 +10,7 @@ use super::graph::{Graph, Id};
 use super::small_strain::{Sizes, simpson, work};
 use super::spectrum::Spectrum;
 use super::state::Variables;
-use super::tape::{Block, Tape};
+use super::tape::{Block, POINTS, Tape};
 use crate::materials::batched::{BatchedLaw, Components, IncrementResponse, Response};
 use crate::math::lanes::{Lanes, Real, relabel, relabel_rows};
 use crate::math::simd::{Kernel, dispatch};
@@ -19,7 +19,7 @@ use crate::math::tolerances::RESIDUAL_STRESS;
 
 /// Buffers of a thread for tapes and principal stretches.
 struct Scratch {
-    registers: Vec<Lanes<false>>,
+    registers: Vec<Block>,
     spectra: Vec<Spectrum<false>>,
 }
 
@@ -27,19 +27,16 @@ thread_local! {
     static SCRATCH: RefCell<Scratch> = const { RefCell::new(Scratch { registers: Vec::new(), spectra: Vec::new() }) };
 }
 
-/// Number of points that are computed together.
-const POINTS: usize = 4;
-
 /// Runs a computation with `count` registers of a block, and buffers for principal stretches.
-pub(super) fn with_scratch<const N: usize>(count: usize, spectra: usize, compute: impl FnOnce(&mut [Block<N>], &mut [Spectrum<false>])) {
+pub(super) fn with_scratch(count: usize, spectra: usize, compute: impl FnOnce(&mut [Block], &mut [Spectrum<false>])) {
     SCRATCH.with_borrow_mut(|scratch| {
-        if scratch.registers.len() < count * N {
-            scratch.registers.resize(count * N, Lanes::ZERO);
+        if scratch.registers.len() < count {
+            scratch.registers.resize(count, [Lanes::ZERO; POINTS]);
         }
         if scratch.spectra.len() < spectra {
             scratch.spectra.resize(spectra, Spectrum::ZERO);
         }
-        compute(&mut scratch.registers.as_chunks_mut::<N>().0[..count], &mut scratch.spectra[..spectra]);
+        compute(&mut scratch.registers[..count], &mut scratch.spectra[..spectra]);
     });
 }
 
@@ -87,49 +84,50 @@ impl<const S: usize> EnergyLaw<S> {
 }
 
 /// Runs a tape up to a stage, from its beginning or from an earlier stage.
-pub(super) struct Run<'a, const N: usize> {
+pub(super) struct Run<'a> {
     pub(super) tape: &'a Tape,
     pub(super) stage: usize,
-    pub(super) start: Option<&'a [Block<N>]>,
-    pub(super) registers: &'a mut [Block<N>],
+    pub(super) points: usize,
+    pub(super) start: Option<&'a [Block]>,
+    pub(super) registers: &'a mut [Block],
 }
 
-impl<const N: usize> Kernel for Run<'_, N> {
+impl Kernel for Run<'_> {
     type Output = ();
     #[inline(always)]
     fn run<const FMA: bool>(self) {
         match self.start {
-            None => self.tape.deviations::<FMA, N>(self.stage, self.registers),
-            Some(start) => self.tape.changes::<FMA, N>(self.stage, start, self.registers),
+            None => self.tape.deviations::<FMA>(self.stage, self.points, self.registers),
+            Some(start) => self.tape.changes::<FMA>(self.stage, self.points, start, self.registers),
         }
     }
 }
 
 /// Writes the variables of the energy (such as invariants) for a block of strains to the registers of its tape.
-struct Load<'a, const S: usize, const N: usize> {
+struct Load<'a, const S: usize> {
     law: &'a EnergyLaw<S>,
-    strains: &'a [Components<S>; N],
-    registers: &'a mut [Block<N>],
+    strains: &'a [Components<S>],
+    registers: &'a mut [Block],
     spectra: &'a mut [Spectrum<false>],
 }
 
 /// Writes the changes of the energy's variables between two blocks of strains to the registers of its tape.
-struct LoadChanges<'a, const S: usize, const N: usize> {
+struct LoadChanges<'a, const S: usize> {
     law: &'a EnergyLaw<S>,
-    from: &'a [Components<S>; N],
-    to: &'a [Components<S>; N],
-    at_start: &'a [Block<N>],
+    from: &'a [Components<S>],
+    to: &'a [Components<S>],
+    at_start: &'a [Block],
     spectra: &'a [Spectrum<false>],
-    registers: &'a mut [Block<N>],
+    registers: &'a mut [Block],
 }
 
 /// Evaluated block of the tape, and the results assembled from it.
-struct Finish<'a, const S: usize, const N: usize, T> {
+struct Finish<'a, 'b, const S: usize, T> {
     law: &'a EnergyLaw<S>,
-    strains: &'a [Components<S>; N],
+    strains: &'a [Components<S>],
     spectra: &'a [Spectrum<false>],
-    registers: &'a [Block<N>],
-    results: [&'a mut T; N],
+    registers: &'a [Block],
+    results: &'a mut [&'b mut T],
 }
 
 /// Principal stretches of a point, for laws that depend on them.
@@ -140,12 +138,12 @@ fn spectrum_of<const FMA: bool>(spectra: &[Spectrum<false>], n: usize) -> Option
 
 macro_rules! law {
     ($size:literal) => {
-        impl<const N: usize> Kernel for Load<'_, $size, N> {
+        impl Kernel for Load<'_, $size> {
             type Output = ();
             #[inline(always)]
             fn run<const FMA: bool>(self) {
                 let Load { law, strains, registers, spectra } = self;
-                for n in 0..black_box(N).min(N) {
+                for n in 0..black_box(strains.len()).min(POINTS) {
                     let strain = Mandel(relabel(&strains[n]));
                     let state = law.variables.state::<FMA>(strain);
                     if law.variables.has_principal {
@@ -159,13 +157,13 @@ macro_rules! law {
             }
         }
 
-        impl<const N: usize> Kernel for LoadChanges<'_, $size, N> {
+        impl Kernel for LoadChanges<'_, $size> {
             type Output = ();
             #[inline(always)]
             fn run<const FMA: bool>(self) {
                 let LoadChanges { law, from, to, at_start, spectra, registers } = self;
-                for n in 0..black_box(N).min(N) {
-                    let start = law.variables.known_state::<FMA, N>(&from[n], at_start, n);
+                for n in 0..black_box(from.len()).min(POINTS) {
+                    let start = law.variables.known_state::<FMA>(&from[n], at_start, n);
                     let end = law.variables.state::<FMA>(Mandel(relabel(&to[n])));
                     match spectrum_of::<FMA>(spectra, n) {
                         Some(from) => {
@@ -178,13 +176,13 @@ macro_rules! law {
             }
         }
 
-        impl<const N: usize> Kernel for Finish<'_, $size, N, Components<$size>> {
+        impl Kernel for Finish<'_, '_, $size, Components<$size>> {
             type Output = ();
             #[inline(always)]
             fn run<const FMA: bool>(self) {
                 let Finish { law, strains, spectra, registers, results } = self;
-                for n in 0..black_box(N).min(N) {
-                    let state = law.variables.known_state::<FMA, N>(&strains[n], registers, n);
+                for n in 0..black_box(strains.len()).min(POINTS) {
+                    let state = law.variables.known_state::<FMA>(&strains[n], registers, n);
                     let spectrum = spectrum_of::<FMA>(spectra, n);
                     let mut stress = law.stress_at_rest::<FMA>();
                     for k in 0..law.variables.all.len() {
@@ -196,7 +194,7 @@ macro_rules! law {
             }
         }
 
-        impl<const N: usize> Kernel for Finish<'_, $size, N, Response<$size>> {
+        impl Kernel for Finish<'_, '_, $size, Response<$size>> {
             type Output = ();
             #[inline(always)]
             fn run<const FMA: bool>(self) {
@@ -204,8 +202,8 @@ macro_rules! law {
                 let count = law.variables.all.len();
                 // Room for the derivatives of the variables that most laws have; others are computed again.
                 let mut slopes = [Mandel([Lanes::<FMA>::ZERO; $size]); KEPT];
-                for n in 0..black_box(N).min(N) {
-                    let state = law.variables.known_state::<FMA, N>(&strains[n], registers, n);
+                for n in 0..black_box(strains.len()).min(POINTS) {
+                    let state = law.variables.known_state::<FMA>(&strains[n], registers, n);
                     let spectrum = spectrum_of::<FMA>(spectra, n);
                     let (mut stress, mut tangent) = (law.stress_at_rest::<FMA>(), [[Lanes::<FMA>::ZERO; $size]; $size]);
                     for k in 0..count {
@@ -240,11 +238,11 @@ macro_rules! law {
                 &self,
                 stage: usize,
                 strains: &[Components<$size>; N],
-                registers: &mut [Block<N>],
+                registers: &mut [Block],
                 spectra: &mut [Spectrum<false>],
             ) {
                 dispatch(Load { law: self, strains, registers, spectra });
-                dispatch(Run { tape: &self.tape, stage, start: None, registers });
+                dispatch(Run { tape: &self.tape, stage, points: N, start: None, registers });
             }
 
             fn energy_block<const N: usize>(&self, strains: &[Components<$size>; N], energy: &mut [Lanes<false>; N]) {
@@ -273,14 +271,14 @@ macro_rules! law {
             fn stress_block<const N: usize>(&self, strains: &[Components<$size>; N], results: &mut [Components<$size>; N]) {
                 with_scratch(self.tape.registers(), self.spectra::<N>(), |registers, spectra| {
                     self.run_at(SLOPES, strains, registers, spectra);
-                    dispatch(Finish { law: self, strains, spectra, registers, results: results.each_mut() });
+                    dispatch(Finish { law: self, strains, spectra, registers, results: &mut results.each_mut() });
                 });
             }
 
             fn response_block<const N: usize>(&self, strains: &[Components<$size>; N], results: &mut [Response<$size>; N]) {
                 with_scratch(self.tape.registers(), self.spectra::<N>(), |registers, spectra| {
                     self.run_at(RESPONSE, strains, registers, spectra);
-                    dispatch(Finish { law: self, strains, spectra, registers, results: results.each_mut() });
+                    dispatch(Finish { law: self, strains, spectra, registers, results: &mut results.each_mut() });
                 });
             }
 
@@ -303,15 +301,15 @@ macro_rules! law {
                 with_scratch(2 * count, self.spectra::<N>(), |registers, spectra| {
                     let (registers, changes) = registers.split_at_mut(count);
                     self.run_at(RESPONSE, &mid, registers, spectra);
-                    let results = increments.each_mut().map(|increment| &mut increment.mean);
+                    let results = &mut increments.each_mut().map(|increment| &mut increment.mean);
                     dispatch(Finish { law: self, strains: &mid, spectra, registers, results });
                     self.run_at(SLOPES, strain_n1, registers, spectra);
-                    let results = increments.each_mut().map(|increment| &mut increment.stress_end);
+                    let results = &mut increments.each_mut().map(|increment| &mut increment.stress_end);
                     dispatch(Finish { law: self, strains: strain_n1, spectra, registers, results });
                     if sizes.has_large() {
                         let (from, to) = (strain_n1, strain_n);
                         dispatch(LoadChanges { law: self, from, to, at_start: registers, spectra, registers: changes });
-                        dispatch(Run { tape: &self.tape, stage: ENERGY, start: Some(registers), registers: changes });
+                        dispatch(Run { tape: &self.tape, stage: ENERGY, points: N, start: Some(registers), registers: changes });
                         for n in 0..N {
                             let back = self.tape.roots[0].deviation(changes, n).unwrap_or(Lanes::ZERO);
                             increments[n].remainder = -work(&increments[n].mean.stress, &step[n]) - back;
@@ -320,7 +318,7 @@ macro_rules! law {
                     if sizes.has_small() && !self.has_kinks() {
                         let mut at_start = [[Lanes::ZERO; $size]; N];
                         self.run_at(SLOPES, strain_n, registers, spectra);
-                        dispatch(Finish { law: self, strains: strain_n, spectra, registers, results: at_start.each_mut() });
+                        dispatch(Finish { law: self, strains: strain_n, spectra, registers, results: &mut at_start.each_mut() });
                         for n in 0..N {
                             let IncrementResponse { mean: Response { stress, .. }, stress_end, remainder } = &increments[n];
                             let beyond = |s: usize| simpson([at_start[n][s] - stress[s], Lanes::ZERO, stress_end[s] - stress[s]]);
@@ -420,21 +418,21 @@ impl<const S: usize> EnergyLaw<S> {
 
     /// Adds the contribution of a variable to the stress, without the stress at zero strain.
     #[inline(always)]
-    fn add_stress<const FMA: bool, const N: usize>(
+    fn add_stress<const FMA: bool>(
         &self,
         k: usize,
         variation: Option<&Mandel<Lanes<FMA>, S>>,
-        (registers, n): (&[Block<N>], usize),
+        (registers, n): (&[Block], usize),
         stress: &mut Mandel<Lanes<FMA>, S>,
     ) {
         let root = &self.tape.roots[1 + k];
         if let Some(variation) = variation {
-            let weight = root.value::<FMA, N>(registers, n);
+            let weight = root.value::<FMA>(registers, n);
             for s in 0..S {
                 stress.0[s] = variation.0[s].mul_add(weight, stress.0[s]);
             }
         }
-        if let Some(deviation) = root.deviation::<FMA, N>(registers, n) {
+        if let Some(deviation) = root.deviation::<FMA>(registers, n) {
             for s in 0..S {
                 stress.0[s] = deviation.mul_add(Lanes::splat(self.variables.slopes_at_rest[k][s]), stress.0[s]);
             }

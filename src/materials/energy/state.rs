@@ -96,12 +96,7 @@ impl<const S: usize> Variables<S> {
 
     /// Returns the state of a strain whose variables are already in the registers of a tape.
     #[inline(always)]
-    pub(super) fn known_state<const FMA: bool, const N: usize>(
-        &self,
-        strain: &Components<S>,
-        registers: &[Block<N>],
-        n: usize,
-    ) -> State<FMA, S> {
+    pub(super) fn known_state<const FMA: bool>(&self, strain: &Components<S>, registers: &[Block], n: usize) -> State<FMA, S> {
         let (mut change, mut inverse) = (Lanes::ZERO, Lanes::ZERO);
         if let Some(volume) = self.volume {
             (change, inverse) = (Lanes(registers[volume][n].0), Lanes(registers[self.all.len()][n].0) + 1.0);
@@ -111,11 +106,11 @@ impl<const S: usize> Variables<S> {
 
     /// Writes the differences of all variables from their values at zero strain, followed by that of `1/J`.
     #[inline(always)]
-    pub(super) fn deviations_into<const FMA: bool, const N: usize>(
+    pub(super) fn deviations_into<const FMA: bool>(
         &self,
         state: &State<FMA, S>,
         spectrum: Option<&Spectrum<FMA>>,
-        registers: &mut [Block<N>],
+        registers: &mut [Block],
         n: usize,
     ) where
         Mandel<Lanes<FMA>, S>: Strain<FMA, S>,
@@ -130,11 +125,11 @@ impl<const S: usize> Variables<S> {
 
     /// Writes the changes of all variables over a step, followed by that of `1/J`.
     #[inline(always)]
-    pub(super) fn changes_into<const FMA: bool, const N: usize>(
+    pub(super) fn changes_into<const FMA: bool>(
         &self,
         states: [&State<FMA, S>; 2],
         spectra: Option<[&Spectrum<FMA>; 2]>,
-        registers: &mut [Block<N>],
+        registers: &mut [Block],
         n: usize,
     ) where
         Mandel<Lanes<FMA>, S>: Strain<FMA, S>,

@@ -3,7 +3,8 @@
 //! Every node is a known value `c` plus a deviation `d`, and only deviations are computed: products as `(c1 + d1) d2 + c2 d1`, reciprocals
 //! as `-d/(c (c + d))`, logarithms as `ln_1p(d/c)`, exponentials as `e^c exp_m1(d)`, roots as `d/(sqrt(c + d) + sqrt c)`. With the value at
 //! rest as `c`, small strains are accurate; with the value at the start of a step, small steps: both use the same operations with another
-//! [`Base`]. Operations process `N` times eight lanes, which amortizes their selection.
+//! [`Base`]. Operations process up to [`POINTS`] times eight lanes, which amortizes
+//! their selection.
 
 use std::hint::black_box;
 
@@ -25,8 +26,11 @@ macro_rules! each {
 /// Index of a result among all results.
 type Register = usize;
 
-/// Eight lanes of `N` points.
-pub(super) type Block<const N: usize> = [Lanes<false>; N];
+/// Number of points that are computed together.
+pub(super) const POINTS: usize = 4;
+
+/// Eight lanes of each point.
+pub(super) type Block = [Lanes<false>; POINTS];
 
 /// A register, and its value `rest` at zero strain.
 #[derive(Clone, Copy, Debug)]
@@ -77,14 +81,14 @@ impl Root {
 
     /// Deviation of the root from its value at zero strain; `None` for a constant.
     #[inline(always)]
-    pub(super) fn deviation<const FMA: bool, const N: usize>(&self, registers: &[Block<N>], point: usize) -> Option<Lanes<FMA>> {
+    pub(super) fn deviation<const FMA: bool>(&self, registers: &[Block], point: usize) -> Option<Lanes<FMA>> {
         self.place.map(|place| Lanes(registers[place.register][point].0) * place.factor)
     }
 
     /// Value of the root at a point.
     #[inline(always)]
-    pub(super) fn value<const FMA: bool, const N: usize>(&self, registers: &[Block<N>], point: usize) -> Lanes<FMA> {
-        match self.deviation::<FMA, N>(registers, point) {
+    pub(super) fn value<const FMA: bool>(&self, registers: &[Block], point: usize) -> Lanes<FMA> {
+        match self.deviation::<FMA>(registers, point) {
             Some(deviation) => deviation + self.rest,
             None => Lanes::splat(self.rest),
         }
@@ -142,9 +146,9 @@ impl Base for AtRest {
 }
 
 /// Values at the start of a step, as deviations from the values at zero strain.
-struct AtStart<'a, const N: usize>(&'a [Block<N>]);
+struct AtStart<'a>(&'a [Block]);
 
-impl<const N: usize> Base for AtStart<'_, N> {
+impl Base for AtStart<'_> {
     #[inline(always)]
     fn value<const FMA: bool>(&self, operand: Operand, point: usize) -> Lanes<FMA> {
         Lanes(self.0[operand.register][point].0) + operand.rest
@@ -264,55 +268,57 @@ impl Tape {
         self.inputs + self.operations.len()
     }
 
-    /// Computes the differences of all registers up to a stage from their values at zero strain; those of the variables are given.
+    /// Computes the differences of all registers of some points up to a stage from their values at zero strain; those of the variables are
+    /// given.
     #[inline(always)]
-    pub(super) fn deviations<const FMA: bool, const N: usize>(&self, stage: usize, registers: &mut [Block<N>]) {
-        self.run::<FMA, N>(stage, registers, &AtRest);
+    pub(super) fn deviations<const FMA: bool>(&self, stage: usize, points: usize, registers: &mut [Block]) {
+        self.run::<FMA>(stage, points, registers, &AtRest);
     }
 
-    /// Computes the changes of all registers up to a stage from `start` (deviations); the first registers already contain the variables.
+    /// Computes the changes of all registers of some points up to a stage from `start` (deviations); the first registers already contain
+    /// the variables.
     #[inline(always)]
-    pub(super) fn changes<const FMA: bool, const N: usize>(&self, stage: usize, start: &[Block<N>], registers: &mut [Block<N>]) {
-        self.run::<FMA, N>(stage, registers, &AtStart(start));
+    pub(super) fn changes<const FMA: bool>(&self, stage: usize, points: usize, start: &[Block], registers: &mut [Block]) {
+        self.run::<FMA>(stage, points, registers, &AtStart(start));
     }
 
     #[inline(always)]
-    fn run<const FMA: bool, const N: usize>(&self, stage: usize, registers: &mut [Block<N>], base: &impl Base) {
+    fn run<const FMA: bool>(&self, stage: usize, points: usize, registers: &mut [Block], base: &impl Base) {
         // Prevents unrolling of the loop over the points: unrolled loops would exceed the vector registers.
-        let points = black_box(N).min(N);
+        let points = black_box(points).min(POINTS);
         for (index, operation) in self.operations[..self.stages[stage]].iter().enumerate() {
             let target = Operand { register: self.inputs + index, rest: self.rest[index], reciprocal: None };
             let (done, rest) = registers.split_at_mut(target.register);
             let result = &mut rest[0];
             // Loops instead of closures: functions that are not inlined are compiled without the instruction set of this function.
             match *operation {
-                Operation::Sum(a, b) => each!(points, result, n, at::<FMA, N>(done, a, n) + at(done, b, n)),
-                Operation::Difference(a, b) => each!(points, result, n, at::<FMA, N>(done, a, n) - at(done, b, n)),
-                Operation::Scaled(factor, a) => each!(points, result, n, at::<FMA, N>(done, a, n) * factor),
+                Operation::Sum(a, b) => each!(points, result, n, at::<FMA>(done, a, n) + at(done, b, n)),
+                Operation::Difference(a, b) => each!(points, result, n, at::<FMA>(done, a, n) - at(done, b, n)),
+                Operation::Scaled(factor, a) => each!(points, result, n, at::<FMA>(done, a, n) * factor),
                 Operation::ScaledSum(factor, a, b) => {
-                    each!(points, result, n, at::<FMA, N>(done, a, n).mul_add(Lanes::splat(factor), at(done, b, n)));
+                    each!(points, result, n, at::<FMA>(done, a, n).mul_add(Lanes::splat(factor), at(done, b, n)));
                 }
                 Operation::Product(a, b) => each!(points, result, n, {
-                    let (d, e) = (at::<FMA, N>(done, a.register, n), at::<FMA, N>(done, b.register, n));
+                    let (d, e) = (at::<FMA>(done, a.register, n), at::<FMA>(done, b.register, n));
                     (base.value::<FMA>(a, n) + d).mul_add(e, base.value::<FMA>(b, n) * d)
                 }),
                 Operation::Reciprocal(a) => each!(points, result, n, {
-                    let d = at::<FMA, N>(done, a.register, n);
+                    let d = at::<FMA>(done, a.register, n);
                     base.below(-d, a, n) / (base.value::<FMA>(a, n) + d)
                 }),
                 Operation::Logarithm(a) => {
-                    each!(points, result, n, above_minus_one(base.below(at::<FMA, N>(done, a.register, n), a, n)).ln_1p());
+                    each!(points, result, n, above_minus_one(base.below(at::<FMA>(done, a.register, n), a, n)).ln_1p());
                 }
                 Operation::Exponential(a) => {
-                    each!(points, result, n, at::<FMA, N>(done, a.register, n).exp_m1() * base.value::<FMA>(target, n));
+                    each!(points, result, n, at::<FMA>(done, a.register, n).exp_m1() * base.value::<FMA>(target, n));
                 }
                 Operation::Root(a) => each!(points, result, n, {
-                    let d = at::<FMA, N>(done, a.register, n);
+                    let d = at::<FMA>(done, a.register, n);
                     d / ((base.value::<FMA>(a, n) + d).sqrt() + base.value::<FMA>(target, n))
                 }),
                 Operation::Positive(a) => each!(points, result, n, {
                     // max(d, -c) for c > 0, max(c + d, 0) for c <= 0.
-                    let (d, c, zero) = (at::<FMA, N>(done, a.register, n), base.value::<FMA>(a, n), Lanes::ZERO);
+                    let (d, c, zero) = (at::<FMA>(done, a.register, n), base.value::<FMA>(a, n), Lanes::ZERO);
                     (d - (-c).greater(zero)).greater(-c.greater(zero))
                 }),
                 Operation::Step(a) => each!(points, result, n, {
@@ -326,7 +332,7 @@ impl Tape {
 
 /// A register of a point.
 #[inline(always)]
-fn at<const FMA: bool, const N: usize>(done: &[Block<N>], register: Register, n: usize) -> Lanes<FMA> {
+fn at<const FMA: bool>(done: &[Block], register: Register, n: usize) -> Lanes<FMA> {
     Lanes(done[register][n].0)
 }
 

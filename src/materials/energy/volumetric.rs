@@ -20,11 +20,11 @@ impl VolumetricEnergy {
     }
 
     /// Runs the tape up to a stage at a value of `J - 1`, and reads its registers.
-    fn run_at(&self, stage: usize, change: &Lanes<false>, read: impl FnOnce(&[Root], &[Block<1>])) {
-        with_scratch::<1>(self.0.registers(), 0, |registers, _| {
-            registers[0] = [*change];
-            registers[1] = [-*change / (*change + 1.0)];
-            dispatch(Run { tape: &self.0, stage, start: None, registers });
+    fn run_at(&self, stage: usize, change: &Lanes<false>, read: impl FnOnce(&[Root], &[Block])) {
+        with_scratch(self.0.registers(), 0, |registers, _| {
+            registers[0][0] = *change;
+            registers[1][0] = -*change / (*change + 1.0);
+            dispatch(Run { tape: &self.0, stage, points: 1, start: None, registers });
             read(&self.0.roots, registers);
         });
     }

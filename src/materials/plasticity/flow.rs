@@ -13,7 +13,7 @@
 //! large ones, which avoids oscillations of the direction. Radial return is `s = 0`, `theta = t = 1`.
 
 use super::constants::{ElasticPlastic, MOST_BACK_STRESSES};
-use super::logarithm::{applied, applied_back, dot, plus, times};
+use super::logarithm::{applied, applied_back, dot, plus, rows, times};
 use crate::math::lanes::{Lanes, Real, WIDTH};
 use crate::math::tolerances::{LEAST_FLOW_SHARE, ON_THE_YIELD_SURFACE, OUTSIDE_THE_YIELD_SURFACE, PLASTIC_MULTIPLIER, SMALL_PLASTIC_STEP};
 
@@ -226,8 +226,10 @@ impl<const FMA: bool, const S: usize> FlowStep<'_, FMA, S> {
     ) -> (Lanes<FMA>, Iterate<FMA, S>) {
         let (mut low, mut high) = (Lanes::<FMA>::ZERO, Lanes::<FMA>::splat(f64::INFINITY));
         let mut g = Lanes::<FMA>::ZERO;
-        let mut at = self.look(stresses, theta, left, g);
-        for _ in 0..ITERATIONS {
+        let mut remaining = ITERATIONS;
+        // One call in the text: what it does is large, and is compiled at each of its calls.
+        loop {
+            let at = self.look(stresses, theta, left, g);
             let mut is_done = true;
             let mut next = g;
             for lane in 0..WIDTH {
@@ -251,13 +253,12 @@ impl<const FMA: bool, const S: usize> FlowStep<'_, FMA, S> {
                     is_done = false;
                 }
             }
-            if is_done {
-                break;
+            if is_done || remaining == 0 {
+                return (g, at);
             }
+            remaining -= 1;
             g = next;
-            at = self.look(stresses, theta, left, g);
         }
-        (g, at)
     }
 
     /// Evaluates the yield condition at the multiplier `g`.
@@ -343,7 +344,7 @@ impl<const FMA: bool, const S: usize> Turned<'_, FMA, S> {
     fn derivative(&self, share: Lanes<FMA>, sign: Lanes<FMA>, theta_slope: &[Lanes<FMA>; S]) -> [[Lanes<FMA>; S]; S] {
         let own = share * self.inverse;
         let mut turned = [[Lanes::<FMA>::ZERO; S]; S];
-        for k in 0..S {
+        for k in 0..rows::<S>() {
             let (along, weighed) = (own * self.normal[k], self.weighed[k] * sign);
             for l in 0..S {
                 let mut entry = -(along * self.normal[l]);
@@ -378,7 +379,7 @@ impl<const FMA: bool, const S: usize> Multiplied<'_, FMA, S> {
         let back = times(&applied_back(turned, self.outward), -self.push);
         let multiplier = times(&plus(self.outward, direct, &back), -self.slope);
         let mut result = [[Lanes::ZERO; S]; S];
-        for k in 0..S {
+        for k in 0..rows::<S>() {
             for l in 0..S {
                 result[k][l] = self.flowed[k].mul_add(multiplier[l], turned[k][l] * self.pull);
             }

@@ -39,6 +39,11 @@ pub(super) struct Stretches<const FMA: bool> {
     pub(super) directions: Matrix<FMA>,
 }
 
+impl<const FMA: bool> Stretches<FMA> {
+    /// Placeholder of a loop.
+    pub(super) const ZERO: Self = Stretches { squares: [Lanes::ZERO; 3], logarithms: [Lanes::ZERO; 3], directions: [[Lanes::ZERO; 3]; 3] };
+}
+
 impl<const FMA: bool, const S: usize> PlasticPoint<FMA, S> {
     /// Reads the history variables of a point.
     #[inline(always)]

@@ -1,11 +1,13 @@
 //! The elastic-plastic law behind [`HistoryLaw`]: stress and tangent of a step, history variables and heat at its end.
 
+use std::hint::black_box;
+
 use super::constants::{ElasticPlastic, MOST_BACK_STRESSES};
 use super::flow::{Flow, FlowStep, Rule, Slopes};
 use super::frame::{PlasticPoint, Stretches, variables};
 use super::logarithm::{
     Matrix, adjoint, applied, applied_back, congruence, curvature, deviator, dot, first_difference, place, plus, product,
-    product_with_transpose, symmetric_map, times, trace,
+    product_with_transpose, rows, symmetric_map, times, trace,
 };
 use crate::materials::batched::{Components, Response};
 use crate::materials::history::{Heat, HistoryLaw, PointHistory, StrainStep, StressOf};
@@ -67,7 +69,11 @@ impl PlasticLaw {
         with_slopes: bool,
     ) -> Step<FMA, S> {
         let kept = PlasticPoint::<FMA, S>::read(history, self.back_stresses());
-        let ends = [kept.stretches(strains[0]), kept.stretches(strains[1])];
+        let mut ends = [Stretches::ZERO; 2];
+        // Prevents unrolling of the loop: the spectral decomposition is a large part of what is compiled.
+        for k in 0..black_box(2).min(2) {
+            ends[k] = kept.stretches(strains[k]);
+        }
         let mut turn = [[Lanes::ZERO; 3]; 3];
         for i in 0..3 {
             for j in 0..3 {
@@ -149,7 +155,7 @@ impl PlasticLaw {
         let along = times(&self.along_share(step), left);
         let along = plus(&step.flow.strain, Lanes::splat(2.0 * self.shear), &along);
         let mut slopes = [[Lanes::ZERO; S]; S];
-        for k in 0..S {
+        for k in 0..rows::<S>() {
             for l in 0..S {
                 let plastic = left * (share.mul_add(by_start[k][l], by_end[k][l]));
                 slopes[k][l] = (along[k].mul_add(share_slope[l], self.modulus(k, l) - plastic)) * 0.5;
@@ -176,7 +182,7 @@ impl PlasticLaw {
         let (mut slopes, mut stress) = ([[Lanes::ZERO; S]; S], *after);
         if let Some(Slopes { share: share_slope, by_end, by_start, .. }) = &step.flow.slopes {
             let along = self.along_share(step);
-            for k in 0..S {
+            for k in 0..rows::<S>() {
                 for l in 0..S {
                     let plastic = step.flow.share.mul_add(by_start[k][l], by_end[k][l]);
                     slopes[k][l] = along[k].mul_add(share_slope[l], self.modulus(k, l) - plastic);

@@ -5,6 +5,8 @@
 //! adjoint `A : T = sym sum_ij ln[c_1i, c_0j] P_1i T P_0j` maps a stress `T` on the logarithmic strain to one on `C`. Components refer to
 //! the principal directions of `C_1`; `R_ij = n_1i . n_0j` relates these to the principal directions of `C_0`.
 
+use std::hint::black_box;
+
 use crate::math::lanes::{Lanes, Real, WIDTH};
 use crate::math::tensor::{mandel_pairs, mandel_scale};
 use crate::math::tolerances::{CLOSE_STRETCHES, NEAR_STRETCHES, WIDE_STRETCHES};
@@ -216,11 +218,18 @@ pub(super) fn applied_back<const FMA: bool, const S: usize>(map: &[[Lanes<FMA>; 
     result
 }
 
+/// Returns `S`, a number of rows, hidden from the optimizer, which otherwise unrolls loops over rows and over columns: a longer time to
+/// compile without a gain in speed.
+#[inline(always)]
+pub(super) fn rows<const S: usize>() -> usize {
+    black_box(S).min(S)
+}
+
 /// Matrix product `A B`.
 #[inline(always)]
 pub(super) fn product<const FMA: bool, const S: usize>(a: &[[Lanes<FMA>; S]; S], b: &[[Lanes<FMA>; S]; S]) -> [[Lanes<FMA>; S]; S] {
     let mut result = [[Lanes::ZERO; S]; S];
-    for k in 0..S {
+    for k in 0..rows::<S>() {
         for m in 0..S {
             for l in 0..S {
                 result[k][l] = a[k][m].mul_add(b[m][l], result[k][l]);
@@ -237,7 +246,7 @@ pub(super) fn product_with_transpose<const FMA: bool, const S: usize>(
     b: &[[Lanes<FMA>; S]; S],
 ) -> [[Lanes<FMA>; S]; S] {
     let mut result = [[Lanes::ZERO; S]; S];
-    for k in 0..S {
+    for k in 0..rows::<S>() {
         result[k] = applied(b, &a[k]);
     }
     result

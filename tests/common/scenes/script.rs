@@ -8,8 +8,7 @@ use super::{Body, Scene, Shape, Wall};
 impl Scene {
     /// The scene as a script that runs it and prints the change of its energy. Mirrored bodies have the original shape.
     pub fn script(&self) -> String {
-        let mut text =
-            format!("// Scene {} ({:?}): what `cargo run --release --example scenes` found, as a script.\n", self.seed, self.kind);
+        let mut text = format!("// Scene {} ({:?}): what `cargo example scenes` found, as a script.\n", self.seed, self.kind);
         let mut line = |words: String| writeln!(text, "{words}").expect("a string takes everything");
         line(format!("let m = model(\"scene {}\");", self.seed));
         for (k, body) in self.bodies.iter().enumerate() {
