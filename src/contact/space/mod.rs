@@ -4,6 +4,7 @@ mod clipping;
 mod closing;
 mod corners;
 mod corners_of_obstacles;
+mod curve_integrals;
 mod curve_slip;
 mod curved_face;
 mod dual;
