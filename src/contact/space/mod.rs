@@ -1,5 +1,6 @@
 //! Contact in space: facets of three and four nodes, faces of second order divided into them, and rigid obstacles.
 
+mod border_normals;
 mod clipping;
 mod closing;
 mod corners;
