@@ -15,101 +15,23 @@
 //!
 //! The first part is the direction of the curve, the second one its distance from the facet: without both, the moment of friction between
 //! rings is too small by the distance of the facets from their circle (1.5 % with 20 facets around). Weights of all nodes have zero sum.
-//! Integrands are of third degree. Derivatives with respect to the plane coordinates of the triangles' corners come from clipping with
-//! numbers that carry them; profiles are proportional to the stretches of their facets (`stretch.rs`).
+//! `curve_integrals.rs` has the integrals over a polygon with their derivatives. Profiles are proportional to the stretches of their facets
+//! (`stretch.rs`).
 
 use super::clipping::area;
-use super::forms::{Form, derivatives, value};
+use super::curve_integrals::{CUBIC, CurveSlopes, parts};
+use super::forms::derivatives;
 use super::polygon::Polygon;
 use super::profiles::Profile;
 use super::vectors::{FacetFrame, Vec3, dot};
-use super::vertices::{CORNERS, NODES, OfNodes, PerTriangle, shape_gradients};
+use super::vertices::{CORNERS, NODES, OfNodes, shape_gradients};
 use super::view::{Curves, View};
-use super::weights::{OfCorners, SHAPES, Sums};
+use super::weights::{OfCorners, SHAPES, Sums, Values};
 use crate::contact::numbers::{Each, Number};
 use crate::math::simd::Kernel;
 
-/// Quadrature points of a triangle (area coordinates) and weights, exact to degree three.
-const CUBIC: [([f64; 3], f64); 4] = [
-    ([1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0], -0.5625),
-    ([0.6, 0.2, 0.2], 0.520_833_333_333_333_3),
-    ([0.2, 0.6, 0.2], 0.520_833_333_333_333_3),
-    ([0.2, 0.2, 0.6], 0.520_833_333_333_333_3),
-];
-
-/// Weights along the normal of a facet pair for each secondary node: plane vectors `v` of all nodes.
-pub type NormalWeights<T> = [[[T; NODES]; 2]; CORNERS];
-
-/// Vectors `v` of a polygon for the shape functions of the secondary triangle and those of both triangles, without the sign of primary
-/// ones.
-struct OfPolygon<T> {
-    /// Part proportional to the secondary profile.
-    by_secondary: [[[T; 2]; 6]; 3],
-    /// Part of the primary corners proportional to the primary profile.
-    by_primary: [[[T; 2]; 3]; 3],
-}
-
-impl<T: Number> OfPolygon<T> {
-    #[inline(always)]
-    fn new(polygon: &Polygon<T>, places: &PerTriangle<[T; 2]>, forms: &[Form; 2]) -> Self {
-        let zero = T::from(0.0);
-        let gradients = [shape_gradients(&places[0], polygon.areas[0]), shape_gradients(&places[1], polygon.areas[1])];
-        let (mut along, mut heights) = ([[[zero; 2]; 6]; 3], [[zero; 3]; 2]);
-        let vertices = polygon.vertices();
-        for k in 1..vertices.len() - 1 {
-            for (at, share) in &CUBIC {
-                let mut shapes = [[zero; 3]; 2];
-                for side in 0..2 {
-                    for j in 0..3 {
-                        let [a, b, c] = [vertices[0].shape(side)[j], vertices[k].shape(side)[j], vertices[k + 1].shape(side)[j]];
-                        shapes[side][j] = a * at[0] + b * at[1] + c * at[2];
-                    }
-                }
-                let area = vertices[k].fan * (0.5 * share);
-                let slopes = [derivatives(&forms[0], &shapes[0]), derivatives(&forms[1], &shapes[1])];
-                let (first, second) = (value(&slopes[0], &shapes[0]), value(&slopes[1], &shapes[1]));
-                let mut rise = [zero; 2];
-                for j in 0..3 {
-                    for i in 0..2 {
-                        rise[i] += slopes[0][j] * gradients[0][j][i];
-                    }
-                }
-                for a in 0..3 {
-                    let part = area * shapes[0][a];
-                    heights[0][a] += part * first;
-                    heights[1][a] += part * second;
-                    let by = [part * rise[0], part * rise[1]];
-                    for s in 0..6 {
-                        for i in 0..2 {
-                            along[a][s][i] += by[i] * shapes[s / 3][s % 3];
-                        }
-                    }
-                }
-            }
-        }
-        let mut of = OfPolygon { by_secondary: along, by_primary: [[[zero; 2]; 3]; 3] };
-        for a in 0..3 {
-            for j in 0..3 {
-                for i in 0..2 {
-                    of.by_secondary[a][j][i] += -(heights[0][a] * gradients[0][j][i]);
-                    of.by_primary[a][j][i] = heights[1][a] * gradients[1][j][i];
-                }
-            }
-        }
-        of
-    }
-
-    /// Vectors with both parts.
-    #[inline(always)]
-    fn sum(&self, a: usize, s: usize) -> [T; 2] {
-        let [x, y] = self.by_secondary[a][s];
-        if s < 3 {
-            return [x, y];
-        }
-        let [u, v] = self.by_primary[a][s - 3];
-        [x + u, y + v]
-    }
-}
+/// Weights along the normal of a facet pair: both plane components of the vectors `v`, for each secondary node and all nodes.
+pub type NormalWeights<T> = [[[T; NODES]; CORNERS]; 2];
 
 /// Computation of the vectors `v` of a facet pair with height profiles, without derivatives.
 pub struct NormalTerms<'a> {
@@ -122,24 +44,24 @@ impl Kernel for NormalTerms<'_> {
 
     #[inline(always)]
     fn run<const FMA: bool>(self) -> Self::Output {
-        let mut sums = [Sums::empty(), Sums::empty()];
+        let mut sums = [Values::empty(), Values::empty()];
         for polygon in self.polygons {
             let Some(forms) = self.view.forms(&polygon.corners) else { continue };
-            let of = OfPolygon::new(polygon, &self.view.places(&polygon.corners), &forms);
+            let parts = parts(polygon, &self.view.places(&polygon.corners), &forms);
             for i in 0..2 {
                 let mut integrals = [[0.0; SHAPES]; 3];
                 for a in 0..3 {
-                    for s in 0..6 {
-                        integrals[a][s] = of.sum(a, s)[i];
+                    for s in 0..SHAPES {
+                        integrals[a][s] = parts[0][i][a][s] + parts[1][i][a][s];
                     }
                 }
-                sums[i].add_values(&polygon.corners, &integrals);
+                sums[i].add(&polygon.corners, &integrals);
             }
         }
-        let mut weights = [[[0.0; NODES]; 2]; CORNERS];
+        let mut weights = [[[0.0; NODES]; CORNERS]; 2];
         for a in 0..self.view.counts[0] {
             for i in 0..2 {
-                weights[a][i] = sums[i].values_of_node(self.view, a);
+                weights[i][a] = sums[i].of_node(self.view, a);
             }
         }
         weights
@@ -157,36 +79,25 @@ pub struct DifferentiatedNormalTerms<'a> {
 impl DifferentiatedNormalTerms<'_> {
     /// Adds a polygon to the sums of both components and to the derivatives with respect to the logarithms of both stretches.
     #[inline(always)]
-    fn add(&self, polygon: &Polygon<f64>, sums: &mut [Sums; 2], by_stretch: &mut [[Sums; 2]; 2]) {
-        let Some(forms) = self.view.forms(&polygon.corners) else { return };
-        let (mut clipped, mut places) = (Polygon::empty(), [[[OfCorners::from(0.0); 2]; 3]; 2]);
-        for (side, own) in self.view.places(&polygon.corners).iter().enumerate() {
-            for j in 0..3 {
-                for i in 0..2 {
-                    places[side][j][i].re = own[j][i];
-                    places[side][j][i].eps[6 * side + 2 * j + i] = 1.0;
-                }
-            }
-        }
-        clipped.set(polygon.corners, &places);
-        let of = OfPolygon::new(&clipped, &places, &forms);
+    fn add(
+        &self,
+        polygon: &Polygon<f64>,
+        buffers: &mut (CurveSlopes, Polygon<OfCorners>),
+        sums: &mut [Sums; 2],
+        by_stretch: &mut [[Values; 2]; 2],
+    ) {
+        let (Some(forms), (all, moving)) = (self.view.forms(&polygon.corners), buffers) else { return };
+        all.set(polygon, &self.view.places(&polygon.corners), &forms, moving);
         for i in 0..2 {
-            let (mut integrals, mut slopes) = ([[0.0; SHAPES]; 3], [[[[0.0; SHAPES]; 2]; 6]; 3]);
-            let mut parts = [[[0.0; SHAPES]; 3]; 2];
+            let mut integrals = [[0.0; SHAPES]; 3];
             for a in 0..3 {
-                for s in 0..6 {
-                    let sum = of.sum(a, s)[i];
-                    integrals[a][s] = sum.re;
-                    for lane in 0..12 {
-                        slopes[a][lane / 2][lane % 2][s] = sum.eps[lane];
-                    }
-                    parts[0][a][s] = of.by_secondary[a][s][i].re;
-                    parts[1][a][s] = if s < 3 { 0.0 } else { of.by_primary[a][s - 3][i].re };
+                for s in 0..SHAPES {
+                    integrals[a][s] = all.parts[0][i][a][s] + all.parts[1][i][a][s];
                 }
             }
-            sums[i].add_to_points(&polygon.corners, &integrals, &slopes);
+            sums[i].add_to_points(&polygon.corners, &integrals, &all.slopes[i]);
             for side in 0..2 {
-                by_stretch[side][i].add_values(&polygon.corners, &parts[side]);
+                by_stretch[side][i].add(&polygon.corners, &all.parts[side][i]);
             }
         }
     }
@@ -198,12 +109,13 @@ impl Kernel for DifferentiatedNormalTerms<'_> {
     #[inline(always)]
     fn run<const FMA: bool>(self) -> Self::Output {
         let view = self.view;
-        let mut weights = [[[OfNodes::from(0.0); NODES]; 2]; CORNERS];
+        let mut weights = [[[OfNodes::from(0.0); NODES]; CORNERS]; 2];
         let Some(Curves { stretches, .. }) = &view.curves else { return weights };
         let mut sums = [Sums::empty(), Sums::empty()];
-        let mut by_stretch = [[Sums::empty(), Sums::empty()], [Sums::empty(), Sums::empty()]];
+        let mut by_stretch = [[Values::empty(), Values::empty()], [Values::empty(), Values::empty()]];
+        let mut buffers = (CurveSlopes::empty(), Polygon::empty());
         for polygon in self.polygons {
-            self.add(polygon, &mut sums, &mut by_stretch);
+            self.add(polygon, &mut buffers, &mut sums, &mut by_stretch);
         }
         // Rotation of the axes in their plane, which changes the components of `v`.
         let second = view.frame.axes[1];
@@ -217,10 +129,10 @@ impl Kernel for DifferentiatedNormalTerms<'_> {
             for i in 0..2 {
                 let (values, of_p) = sums[i].of_node(view, a);
                 let slopes: [Vec3<Each<NODES>>; NODES] = view.spread(&of_p, &[Each([0.0; NODES]); NODES]);
-                let turned = sums[1 - i].values_of_node(view, a);
+                let turned = sums[1 - i].values.of_node(view, a);
                 let sign = if i == 0 { 1.0 } else { -1.0 };
                 for s in 0..NODES {
-                    let weight = &mut weights[a][i][s];
+                    let weight = &mut weights[i][a][s];
                     weight.re = values[s];
                     for node in 0..NODES {
                         for axis in 0..3 {
@@ -230,11 +142,11 @@ impl Kernel for DifferentiatedNormalTerms<'_> {
                     }
                 }
                 for side in 0..2 {
-                    let (by, begin) = (by_stretch[side][i].values_of_node(view, a), side * view.counts[0]);
+                    let (by, begin) = (by_stretch[side][i].of_node(view, a), side * view.counts[0]);
                     for s in 0..NODES {
                         for node in 0..view.counts[side] {
                             for axis in 0..3 {
-                                weights[a][i][s].eps[3 * (begin + node) + axis] += by[s] * stretches[side].rises[node][axis];
+                                weights[i][a][s].eps[3 * (begin + node) + axis] += by[s] * stretches[side].rises[node][axis];
                             }
                         }
                     }
@@ -296,7 +208,7 @@ pub struct NormalPart<T> {
 
 impl<T: Number> NormalPart<T> {
     /// Weights for two tangents in plane coordinates, from the vectors `v` of a secondary node.
-    pub fn new(normal: Vec3<T>, [x, y]: &[[T; NODES]; 2], tangents: &PlaneTangents) -> Self {
+    pub fn new(normal: Vec3<T>, [x, y]: [&[T; NODES]; 2], tangents: &PlaneTangents) -> Self {
         NormalPart { normal, weights: tangents.map(|[a, b]| std::array::from_fn(|node| x[node] * a + y[node] * b)) }
     }
 }

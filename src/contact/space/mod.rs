@@ -1,9 +1,11 @@
 //! Contact in space: facets of three and four nodes, faces of second order divided into them, and rigid obstacles.
 
+mod border_normals;
 mod clipping;
 mod closing;
 mod corners;
 mod corners_of_obstacles;
+mod curve_integrals;
 mod curve_slip;
 mod curved_face;
 mod dual;

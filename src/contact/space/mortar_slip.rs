@@ -11,10 +11,10 @@ use crate::contact::numbers::Number;
 impl MortarInSpace {
     /// Adds the weights along the normal of the secondary facet.
     fn add_normal_parts<T: Number>(&self, p: usize, normal: Vec3<T>, weights: Option<NormalWeights<T>>, groups: &mut [Group<T>]) {
-        let Some(weights) = weights else { return };
-        let [x, y] = [0, 1].map(|i| self.shape(p).of_lists(weights.each_ref().map(|of| of[i])));
+        let Some([x, y]) = weights else { return };
+        let (x, y) = (self.shape(p).of_lists(x), self.shape(p).of_lists(y));
         for (group, tangents) in groups.iter_mut().zip(self.tangents(p)) {
-            group.normal = Some(NormalPart::new(normal, &[x[group.place], y[group.place]], tangents));
+            group.normal = Some(NormalPart::new(normal, [&x[group.place], &y[group.place]], tangents));
         }
     }
 }

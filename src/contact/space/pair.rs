@@ -604,7 +604,7 @@ mod tests {
             let (mut flat, mut curve) = (0.0, 0.0);
             for (a, k) in (0..4).flat_map(|a| (0..4).map(move |k| (a, k))) {
                 flat += weights[a][k] * dot(first, motion(&x[k]));
-                curve += along[a][0][k] * dot(normal, motion(&x[k]));
+                curve += along[0][a][k] * dot(normal, motion(&x[k]));
             }
             let square = angle * angle;
             assert!((flat + curve - 2.0 * angle).abs() < 0.02 * square * angle, "{angle}: {flat} {curve}");

@@ -11,7 +11,8 @@
 //!
 //! Spheres and circles are exact solutions. With too few neighbors at a border, `t` and `k` have minimum norm. Along an edge `e` of a facet
 //! with the normal `n` from node `i` to node `j` the angles `sin a = e.(n - n_i)/|e|` and `e.(n_j - n)/|e|` have the mean `a`, at most
-//! twice the smaller one and zero for different signs: an isolated kink is not taken for curvature. At a border one angle stands for both.
+//! twice the smaller one and zero for different signs: an isolated kink is not taken for curvature. At a border one angle stands for both;
+//! normals there are in `border_normals.rs`.
 //! Faces of second order have normals of their own at all their nodes (`curved_face.rs`), which stand at borders and at kinks.
 //! The sagitta `s_e = |e| a (1 + 2 a^2/15 + ..)/4` preserves the area of the circular segment. The height is quadratic over the facet with
 //! the mean `sum_e s_e/3`, and constant in facet coordinates, so that the surface moves with the facet.
@@ -20,6 +21,7 @@ use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 
 use nalgebra::{DMatrix, DVector};
 
+use super::border_normals::border_normal;
 use super::forms::{Form, derivatives, form, value};
 use super::interior::Interior;
 use super::stretch::{Stretch, Stretched};
@@ -274,7 +276,27 @@ impl<'a> Facets<'a> {
         };
         let at_nodes = (0..surface.nodes().len()).map(of_node).collect();
         facets.at_nodes = at_nodes;
+        let borders: Vec<(usize, Vector)> = (0..surface.nodes().len()).filter_map(|node| Some((node, facets.at_border(node)?))).collect();
+        borders.into_iter().for_each(|(node, normal)| facets.at_nodes[node] = Some(normal));
         facets
+    }
+
+    /// Normal at a node of the border that has one inner neighbor, see `border_normals.rs`.
+    fn at_border(&self, node: usize) -> Option<Vector> {
+        let &[first, second] = self.surface.adjacent_facets(node) else { return None };
+        let neighbors = |facet: u32| {
+            let nodes = <[u32; 4]>::try_from(self.surface.local_facet(facet as usize)).ok()?;
+            let place = nodes.iter().position(|&other| other as usize == node)?;
+            Some([nodes[(place + 1) % 4], nodes[(place + 3) % 4]])
+        };
+        let neighbors = [neighbors(first)?, neighbors(second)?];
+        let inner = neighbors[0].into_iter().find(|other| neighbors[1].contains(other))?;
+        let rim = neighbors.map(|[one, other]| if one == inner { other } else { one });
+        let way = |to: u32| faces::at(self.surface.nodes()[to as usize], self.q) - faces::at(self.surface.nodes()[node], self.q);
+        if !self.is_inside(inner as usize) {
+            return None;
+        }
+        Some(border_normal(self.at_nodes[node]?, rim.map(way), way(inner), self.at_nodes[inner as usize]?))
     }
 
     /// Adds the normals of faces of second order, which stand at borders and where faces do not continue each other.
@@ -513,6 +535,28 @@ mod tests {
                     let sagitta = found.sagittas(facet)[k];
                     assert!((sagitta - around).abs() < 0.02 * exact.abs(), "{facet} {k}: {sagitta} {around}");
                 }
+            }
+        }
+    }
+
+    /// Closed form: normals of a sphere and of a cylinder at the borders of a patch, except at its corners.
+    #[test]
+    fn normals_at_borders_are_exact() {
+        let facets: Vec<[u32; 4]> = (0..9).map(|k| k / 3 * 4 + k % 3).map(|k| [k, k + 1, k + 5, k + 4]).collect();
+        let surface = Surface::in_space(facets.iter().map(|facet| &facet[..]));
+        let angles = |k: usize| [k % 4, k / 4].map(|k| 0.3 * k as f64);
+        for is_sphere in [true, false] {
+            let normal = |k: usize| {
+                let [a, b] = angles(k);
+                let [across, up] = if is_sphere { [b.cos(), b.sin()] } else { [1.0, 0.0] };
+                Vector::new(a.cos() * across, a.sin() * across, up)
+            };
+            let point = |k: usize| if is_sphere { normal(k) } else { normal(k) + Vector::new(0.0, 0.0, angles(k)[1]) };
+            let q: Vec<f64> = (0..16).flat_map(|k| <[f64; 3]>::from(point(k))).collect();
+            let found = Facets::new(&surface, &q, SMOOTH);
+            for k in (0..16).filter(|k| ![0, 3, 12, 15].contains(k)) {
+                let at = found.at_nodes[surface.index(k as u32).unwrap()].unwrap();
+                assert!((at - normal(k)).norm() < 1e-12, "{k} of a sphere ({is_sphere}): {at} {}", normal(k));
             }
         }
     }

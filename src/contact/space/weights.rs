@@ -40,10 +40,52 @@ pub type Slopes = [[[f64; SHAPES]; 2]; 6];
 /// Number with its derivatives with respect to the plane coordinates of the corners of both triangles.
 pub type OfCorners = Jet<12>;
 
-/// Sums over polygons: for each secondary point (nodes, then the mean point), the integrals of its shape function with those of all points,
-/// and their derivatives with respect to the plane coordinates of all points.
+/// Sums over polygons: for each secondary point (nodes, then the mean point), the integrals of its shape function with those of all points.
+pub struct Values([[f64; POINTS]; CORNERS + 1]);
+
+impl Values {
+    /// Sums over no polygon.
+    #[inline(always)]
+    pub fn empty() -> Self {
+        Values([[0.0; POINTS]; CORNERS + 1])
+    }
+
+    /// Adds the integrals of a polygon to the points of its triangles.
+    #[inline(always)]
+    pub fn add(&mut self, corners: &PerTriangle<usize>, integrals: &[[f64; SHAPES]; 3]) {
+        for a in 0..3 {
+            let row = corners[0][a].min(CORNERS);
+            for s in 0..6 {
+                let sign = if s < 3 { 1.0 } else { -1.0 };
+                self.0[row][corners[s / 3][s % 3]] += sign * integrals[a][s];
+            }
+        }
+    }
+
+    /// Values of secondary node `node` for each node, with the shares of the mean points.
+    #[inline(always)]
+    pub fn of_node(&self, view: &View<f64>, node: usize) -> [f64; NODES] {
+        let share = 1.0 / view.counts[0] as f64;
+        let mut values = self.0[node];
+        for s in 0..POINTS {
+            values[s] += share * self.0[CORNERS][s];
+        }
+        let mut of_nodes = [0.0; NODES];
+        of_nodes.copy_from_slice(&values[..NODES]);
+        for mean in [NODES, NODES + 1] {
+            let (nodes, share) = view.shares(mean);
+            for node in nodes {
+                of_nodes[node] += share * values[mean];
+            }
+        }
+        of_nodes
+    }
+}
+
+/// Sums over polygons with their derivatives with respect to the plane coordinates of all points.
 pub struct Sums {
-    values: [[f64; POINTS]; CORNERS + 1],
+    /// Sums without derivatives.
+    pub values: Values,
     slopes: [[[[f64; POINTS]; 2]; POINTS]; CORNERS + 1],
 }
 
@@ -51,7 +93,7 @@ impl Sums {
     /// Sums over no polygon.
     #[inline(always)]
     pub fn empty() -> Self {
-        Sums { values: [[0.0; POINTS]; CORNERS + 1], slopes: [[[[0.0; POINTS]; 2]; POINTS]; CORNERS + 1] }
+        Sums { values: Values::empty(), slopes: [[[[0.0; POINTS]; 2]; POINTS]; CORNERS + 1] }
     }
 
     #[inline(always)]
@@ -124,7 +166,7 @@ impl Sums {
     #[inline(always)]
     pub fn add_to_points(&mut self, corners: &PerTriangle<usize>, integrals: &[[f64; SHAPES]; 3], slopes: &[Slopes; 3]) {
         let points = [corners[0][0], corners[0][1], corners[0][2], corners[1][0], corners[1][1], corners[1][2]];
-        self.add_values(corners, integrals);
+        self.values.add(corners, integrals);
         for a in 0..3 {
             let row = points[a].min(CORNERS);
             for s in 0..6 {
@@ -136,37 +178,6 @@ impl Sums {
                 }
             }
         }
-    }
-
-    /// Adds the integrals of a polygon without derivatives.
-    #[inline(always)]
-    pub fn add_values(&mut self, corners: &PerTriangle<usize>, integrals: &[[f64; SHAPES]; 3]) {
-        for a in 0..3 {
-            let row = corners[0][a].min(CORNERS);
-            for s in 0..6 {
-                let sign = if s < 3 { 1.0 } else { -1.0 };
-                self.values[row][corners[s / 3][s % 3]] += sign * integrals[a][s];
-            }
-        }
-    }
-
-    /// Values of secondary node `node` for each node, with the shares of the mean points.
-    #[inline(always)]
-    pub fn values_of_node(&self, view: &View<f64>, node: usize) -> [f64; NODES] {
-        let share = 1.0 / view.counts[0] as f64;
-        let mut values = self.values[node];
-        for s in 0..POINTS {
-            values[s] += share * self.values[CORNERS][s];
-        }
-        let mut of_nodes = [0.0; NODES];
-        of_nodes.copy_from_slice(&values[..NODES]);
-        for mean in [NODES, NODES + 1] {
-            let (nodes, share) = view.shares(mean);
-            for node in nodes {
-                of_nodes[node] += share * values[mean];
-            }
-        }
-        of_nodes
     }
 
     /// Sums of secondary node `node`, with the shares of the mean points: values, and derivatives with respect to the nodes' plane
@@ -204,13 +215,13 @@ impl Sums {
                 }
             }
         }
-        (self.values_of_node(view, node), of_p)
+        (self.values.of_node(view, node), of_p)
     }
 }
 
 /// Edges of the polygons of a facet pair.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Edges {
+pub enum Edges {
     /// All edges.
     All,
     /// Edges on the border of a facet, without those between triangles of one facet.
@@ -227,7 +238,7 @@ impl Edges {
 
 /// True if one of the edges of a polygon lies on sides of both triangles.
 #[inline(always)]
-fn coincides(polygon: &Polygon<f64>, edges: Edges) -> bool {
+pub fn coincides(polygon: &Polygon<f64>, edges: Edges) -> bool {
     let vertices = polygon.vertices();
     let mut found = false;
     for (k, from) in vertices.iter().enumerate() {
