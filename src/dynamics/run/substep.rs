@@ -18,6 +18,9 @@ use crate::dynamics::step::task::Task;
 use crate::integrators::Scheme;
 use crate::math::tolerances;
 
+/// Halvings of a step of given size from which on friction that depends on the speed may have the coefficients of the start of a substep.
+const MOST_IMPLICIT: usize = 3;
+
 /// Factor of the search horizon over the predicted motion: impacts add elastic motion. After an overlooked contact, a second attempt
 /// expects this motion.
 const MORE_MOTION: f64 = 3.0;
@@ -26,9 +29,8 @@ impl<const D: usize> Engine<D>
 where
     Space<D>: Elements<D>,
 {
-    /// Takes one substep from the present state. If it `may_be_halved`, it is refused without an attempt if its predicted motion is too
-    /// large.
-    pub fn piece(&mut self, dt: f64, may_be_halved: bool) -> Result<State, Failure> {
+    /// Takes one substep, of a step that was halved `level` times, from the present state.
+    pub fn piece(&mut self, dt: f64, level: usize) -> Result<State, Failure> {
         let integrator = self.options.integrator;
         if integrator.lumping().is_some() {
             return self.explicit_piece(dt);
@@ -38,11 +40,11 @@ where
         }
         let stages = integrator.stages();
         if stages.is_empty() {
-            return self.stage(&integrator.after(self.state.scheme_history.dt, dt), dt, may_be_halved);
+            return self.stage(&integrator.after(self.state.scheme_history.dt, dt), dt, level);
         }
         let before = self.state.clone();
         let end = stages.iter().try_fold(before.clone(), |_, (share, stage)| {
-            let mut state = self.stage(stage, share * dt, may_be_halved)?;
+            let mut state = self.stage(stage, share * dt, level)?;
             state.row.time = self.state.row.time + share * dt;
             state.slips_until = state.row.time;
             state.row.join(&self.state.row, before.row.step, share * dt, dt);
@@ -57,9 +59,9 @@ where
     }
 
     /// Takes one stage of a substep, or the whole substep.
-    fn stage(&mut self, scheme: &Scheme, dt: f64, may_be_halved: bool) -> Result<State, Failure> {
-        match self.piece_within(scheme, dt, 1.0, may_be_halved) {
-            Err(Failure::Overlooked { .. }) => self.piece_within(scheme, dt, MORE_MOTION, may_be_halved),
+    fn stage(&mut self, scheme: &Scheme, dt: f64, level: usize) -> Result<State, Failure> {
+        match self.piece_within(scheme, dt, 1.0, level) {
+            Err(Failure::Overlooked { .. }) => self.piece_within(scheme, dt, MORE_MOTION, level),
             outcome => outcome,
         }
     }
@@ -75,24 +77,28 @@ where
         Err(StepError::TurnsFar { boundary: boundary.into(), time, dt, angle })
     }
 
-    /// Eases the conditions of a step without a solution in the next way that applies; false if none is left.
-    fn ease(&self, conditions: &mut Conditions) -> bool {
+    /// Eases the conditions of a substep without a solution in the next way that applies; false if none is left.
+    fn ease(&self, conditions: &mut Conditions, level: usize) -> bool {
         // A slip that may stop within the step can leave the step without a solution.
         if conditions.stops.contains(&true) {
             conditions.stops.fill(false);
             return true;
         }
-        if !conditions.lagged_speeds.is_empty() {
+        let may_lag = self.options.control.is_some() || level >= MOST_IMPLICIT;
+        if !may_lag || !conditions.lagged_speeds.is_empty() {
             return false;
         }
         // Where friction falls with the speed fast enough, as in impacts, a step has several solutions or none, however short it is: the
-        // coefficients are then those of the slips at its start.
+        // coefficients are then those of the slips at its start. Automatic steps are of the size that their tolerance demands; steps of a
+        // given size are halved first, since these coefficients are of first order in the size.
         conditions.lagged_speeds = self.system.slip_speeds(&self.state.positions, &self.state.velocities);
         !conditions.lagged_speeds.is_empty()
     }
 
-    /// Takes a stage like [`Self::stage`], with the predicted motion times `factor` as motion bound.
-    fn piece_within(&mut self, scheme: &Scheme, dt: f64, factor: f64, may_be_halved: bool) -> Result<State, Failure> {
+    /// Takes a stage like [`Self::stage`], with the predicted motion times `factor` as motion bound. A substep that may be halved is
+    /// refused without an attempt if its predicted motion is too large.
+    fn piece_within(&mut self, scheme: &Scheme, dt: f64, factor: f64, level: usize) -> Result<State, Failure> {
+        let may_be_halved = level < self.options.max_halvings;
         let (state, reach) = (self.state.clone(), self.options.reach);
         let time = state.row.time;
         self.check_turns(dt).map_err(Failure::Fatal)?;
@@ -146,7 +152,7 @@ where
                 interrupted: &|| options.interrupted(),
             };
             let outcome = solve(&mut self.system, &task, &mut self.statistics.newton_iterations, &mut self.trace);
-            if matches!(outcome, Ok(_) | Err(Failure::Fatal(_))) || !self.ease(&mut conditions) {
+            if matches!(outcome, Ok(_) | Err(Failure::Fatal(_))) || !self.ease(&mut conditions, level) {
                 break outcome?;
             }
         };

@@ -209,7 +209,7 @@ where
             }
             let (size, may_be_halved) = (substeps.size(), substeps.level() < self.options.max_halvings);
             let before = self.system.counters;
-            match self.piece(size, may_be_halved).and_then(|state| self.judged(state, size, &substeps, before)) {
+            match self.piece(size, substeps.level()).and_then(|state| self.judged(state, size, &substeps, before)) {
                 Ok(mut state) => {
                     let between = substeps.accepted();
                     state.row.time = between.unwrap_or(target);
