@@ -1,7 +1,7 @@
 //! Random scenes with oracles that are independent of the kernels: energies, momenta and penetrations from positions and velocities alone.
 //!
-//! Sixty scenes here, thousands by `cargo example scenes`. Methods and rules cycle with the seeds. A failure is named
-//! with its seed: `cargo example scenes -- --shrink SEED --method M --rule R` reduces it to a small script.
+//! Sixty scenes here, thousands by `cargo example scenes`. Methods and rules cycle with the seeds. A failure is named with its seed: `cargo
+//! example scenes -- --shrink SEED --method M --rule R` reduces it to a small script.
 
 mod common;
 #[path = "common/scenes/mod.rs"]

@@ -28,7 +28,7 @@ use std::ops::Range;
 use super::forms::{Form, derivatives, value};
 use super::polygon::Polygon;
 use super::vertices::{PerTriangle, PolygonBorder, Vertex, outward, shape_gradients};
-use super::weights::{Edges, OfCorners, SHAPES, Slopes, coincides};
+use super::weights::{Edges, OfCorners, SHAPES, Slopes, carrying, coincides};
 use crate::contact::numbers::Number;
 
 /// Quadrature points of a triangle (area coordinates) and weights, exact to degree three.
@@ -218,21 +218,6 @@ fn velocities_of([from, to]: [&Vertex<OfCorners>; 2], out: [f64; 2]) -> [Velocit
     velocities
 }
 
-/// Clips a polygon again with numbers that carry the derivatives.
-#[inline(always)]
-fn clip_again(polygon: &Polygon<f64>, places: &PerTriangle<[f64; 2]>, moving: &mut Polygon<OfCorners>) {
-    let mut carrying = [[[OfCorners::from(0.0); 2]; 3]; 2];
-    for side in 0..2 {
-        for j in 0..3 {
-            for i in 0..2 {
-                carrying[side][j][i].re = places[side][j][i];
-                carrying[side][j][i].eps[6 * side + 2 * j + i] = 1.0;
-            }
-        }
-    }
-    moving.set(polygon.corners, &carrying);
-}
-
 /// Vectors `v` of a polygon and their derivatives.
 pub struct CurveSlopes {
     /// Vectors `v`.
@@ -258,7 +243,7 @@ impl CurveSlopes {
         let mut of_heights = [[[[0.0; 2]; 6]; 3]; 2];
         let is_clipped = coincides(polygon, Edges::All);
         if is_clipped {
-            clip_again(polygon, places, moving);
+            moving.set(polygon.corners, &carrying(places));
         }
         let (vertices, moving) = (polygon.vertices(), moving.vertices());
         for (k, from) in vertices.iter().enumerate() {

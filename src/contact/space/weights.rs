@@ -40,6 +40,21 @@ pub type Slopes = [[[f64; SHAPES]; 2]; 6];
 /// Number with its derivatives with respect to the plane coordinates of the corners of both triangles.
 pub type OfCorners = Jet<12>;
 
+/// Corners of both triangles as numbers that carry the derivatives with respect to all their plane coordinates.
+#[inline(always)]
+pub fn carrying(places: &PerTriangle<[f64; 2]>) -> PerTriangle<[OfCorners; 2]> {
+    let mut carrying = [[[OfCorners::from(0.0); 2]; 3]; 2];
+    for side in 0..2 {
+        for j in 0..3 {
+            for i in 0..2 {
+                carrying[side][j][i].re = places[side][j][i];
+                carrying[side][j][i].eps[6 * side + 2 * j + i] = 1.0;
+            }
+        }
+    }
+    carrying
+}
+
 /// Sums over polygons: for each secondary point (nodes, then the mean point), the integrals of its shape function with those of all points.
 pub struct Values([[f64; POINTS]; CORNERS + 1]);
 
@@ -133,16 +148,8 @@ impl Sums {
     /// Adds a polygon that is clipped again with numbers that carry the derivatives.
     #[inline(always)]
     fn add_clipped(&mut self, view: &View<f64>, polygon: &Polygon<f64>) {
-        let (mut clipped, mut places) = (Polygon::empty(), [[[OfCorners::from(0.0); 2]; 3]; 2]);
-        for (side, own) in view.places(&polygon.corners).iter().enumerate() {
-            for j in 0..3 {
-                for i in 0..2 {
-                    places[side][j][i].re = own[j][i];
-                    places[side][j][i].eps[6 * side + 2 * j + i] = 1.0;
-                }
-            }
-        }
-        clipped.set(polygon.corners, &places);
+        let mut clipped = Polygon::empty();
+        clipped.set(polygon.corners, &carrying(&view.places(&polygon.corners)));
         let (mut integrals, mut slopes) = ([[0.0; SHAPES]; 3], [[[[0.0; SHAPES]; 2]; 6]; 3]);
         for a in 0..3 {
             let mut own = [OfCorners::from(0.0); VERTICES];

@@ -33,13 +33,13 @@ pub enum StepError {
         /// Prescribed rotation in the step `[rad]`.
         angle: f64,
     },
-    /// Equations of a coupling or a joint that contradict those of other couplings, joints or supports.
+    /// Equations of a coupling, a tie or a joint that contradict those of other couplings, ties, joints or supports.
     #[error(
         "\"{coupling}\" contradicts supports and other couplings or joints at t = {time}: its equations are violated by {}",
         three_digits(*gap)
     )]
     Contradiction {
-        /// Name of the coupling or joint.
+        /// Name of the coupling, tie or joint.
         coupling: String,
         /// Time at the end of the step.
         time: f64,

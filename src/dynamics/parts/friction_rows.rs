@@ -122,7 +122,7 @@ pub struct NormalState<'a> {
     pub sense: f64,
     /// Slip rate per weighted slip: `1/dt` divided by the weight of the constraint.
     pub speed: f64,
-    /// Slip speed at which the friction law is evaluated in place of that of the slip, if it is lagged.
+    /// Slip speed at the start of the step, where the friction law is evaluated there; `None`: it is evaluated at the speed of the slip.
     pub lagged: Option<f64>,
     /// Multiplier per stress: 1, or a circumference in axisymmetric models.
     pub around: f64,

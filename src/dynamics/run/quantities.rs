@@ -228,14 +228,14 @@ where
 
     fn contact(&self, name: &str) -> Option<ContactFields> {
         let (index, _) = self.system.contacts().find(|(_, pair)| pair.name == name)?;
-        let there = self.evaluated_at(&self.state.positions);
+        let there = self.system.evaluated_at(&self.state.positions);
         let (contact, corners) = self.loaded(index, &self.state.positions, &there);
         let order = contact.pair.kernel.secondary().along();
         Some(contact_fields::<D>(contact, &corners).in_order(&order))
     }
 
     fn contact_surfaces(&self) -> Vec<ContactSurface> {
-        let there = self.evaluated_at(&self.state.positions);
+        let there = self.system.evaluated_at(&self.state.positions);
         let reference = &self.system.nodes.reference;
         let place = |node: u32| {
             let node = node as usize;
@@ -320,7 +320,7 @@ where
         let (mut pressure, mut gap) = (vec![0.0; nodes], vec![f64::NAN; nodes]);
         let (mut contact_force, mut contact_pressing) = (vec![[0.0; 3]; nodes], vec![[0.0; 3]; nodes]);
         let [mut contact_active, mut contact_state, mut contact_slip] = [(); 3].map(|()| vec![0.0; nodes]);
-        let there = self.evaluated_at(q);
+        let there = self.system.evaluated_at(q);
         for (index, pair) in self.system.contacts().filter(|(_, pair)| pair.kind != PairKind::Tie) {
             let (contact, corners) = self.loaded(index, q, &there);
             let forces = contact_forces::<D>(contact, &corners);
@@ -402,13 +402,6 @@ where
         let body = &self.system.bodies[body];
         let continuous = self.stresses_at(body).stress;
         StressError::new(&*body.elements, self.present(body), body.nodes.clone(), &continuous).relative()
-    }
-
-    /// Evaluates normal and tangential constraints of all pairs at `q`, with the present multipliers.
-    fn evaluated_at(&self, q: &[f64]) -> [Vec<Evaluation>; 2] {
-        let evaluations = self.system.evaluations_at(q);
-        let slips = self.system.slips_at_rest(q, &evaluations);
-        [evaluations, slips]
     }
 
     /// A contact and its corners with the evaluations of all pairs, in the present state.

@@ -357,6 +357,13 @@ where
         self.pairs.iter().map(evaluated).collect()
     }
 
+    /// Normal and tangential constraints of all pairs at the positions `q`, without tangents and with zero slips.
+    pub fn evaluated_at(&self, q: &[f64]) -> [Vec<Evaluation>; 2] {
+        let pairs = self.evaluations_at(q);
+        let slips = self.slips_at_rest(q, &pairs);
+        [pairs, slips]
+    }
+
     /// Speed with which the surfaces of every tangential constraint slip at the positions `q` with the velocities `v`; empty if the
     /// friction of no pair depends on it.
     pub fn slip_speeds(&self, q: &[f64], v: &[f64]) -> Vec<f64> {
@@ -364,8 +371,7 @@ where
         if !self.pairs.iter().any(depends) {
             return Vec::new();
         }
-        let pairs = self.evaluations_at(q);
-        let slips = self.slips_at_rest(q, &pairs);
+        let [pairs, slips] = self.evaluated_at(q);
         let rates = self.rates([&pairs, &slips], q, v);
         let mut speeds = vec![0.0; self.multipliers];
         for (pair, slip) in self.pairs.iter().zip(&slips) {

@@ -38,7 +38,8 @@ pub struct Conditions {
     /// True for each tangential constraint that may come to rest within the step, because it slipped in the previous one, or others of its
     /// contact did and it was open.
     pub stops: Vec<bool>,
-    /// Slip speed, for each constraint, at which the friction law of the step is evaluated; empty: at the speed of the slip itself.
+    /// Slip speed of each constraint at the start of the step, if friction laws are evaluated there; empty: they are evaluated at the
+    /// speeds of the step's slips.
     pub lagged_speeds: Vec<f64>,
     /// Time step size, 0 at rest.
     pub dt: f64,

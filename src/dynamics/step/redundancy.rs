@@ -124,21 +124,25 @@ impl<const D: usize> Equations<D> {
     where
         Space<D>: Elements<D>,
     {
-        let pairs = self.evaluations_at(q);
-        let slips = self.slips_at_rest(q, &pairs);
+        let [pairs, slips] = self.evaluated_at(q);
         let mut gradient = Row::new();
         self.for_each_end_gradient([&pairs, &slips], |_, row, unknown, entry| {
             if row == constraint {
                 *gradient.entry(unknown).or_insert(0.0) += entry;
             }
         });
-        !gradient.is_empty() && self.eliminate(q, |_, _, _| {}).remainder(gradient).1.is_none()
+        !gradient.is_empty() && self.are_dependent(gradient, q)
     }
 
     /// True if coordinate constraints and supports carry nodal forces wholly at the positions `q`: they do no work in any free motion.
     pub fn carries(&self, forces: &[f64], q: &[f64]) -> bool {
         let acting = forces.iter().copied().enumerate().filter(|(_, force)| *force != 0.0).collect();
-        self.eliminate(q, |_, _, _| {}).remainder(acting).1.is_none()
+        self.are_dependent(acting, q)
+    }
+
+    /// True if a gradient, or forces, are a combination of the gradients of coordinate constraints and of forces on supported unknowns.
+    fn are_dependent(&self, gradient: Row, q: &[f64]) -> bool {
+        self.eliminate(q, |_, _, _| {}).remainder(gradient).1.is_none()
     }
 
     /// Marks the constraints of obstacles at these nodes as redundant, with their tangential constraints.

@@ -3,8 +3,7 @@
 //! Every node is a known value `c` plus a deviation `d`, and only deviations are computed: products as `(c1 + d1) d2 + c2 d1`, reciprocals
 //! as `-d/(c (c + d))`, logarithms as `ln_1p(d/c)`, exponentials as `e^c exp_m1(d)`, roots as `d/(sqrt(c + d) + sqrt c)`. With the value at
 //! rest as `c`, small strains are accurate; with the value at the start of a step, small steps: both use the same operations with another
-//! [`Base`]. Operations process up to [`POINTS`] times eight lanes, which amortizes
-//! their selection.
+//! [`Base`]. Operations process up to [`POINTS`] times eight lanes, which amortizes their selection.
 
 use std::hint::black_box;
 
