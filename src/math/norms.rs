@@ -26,13 +26,14 @@ pub fn length(vector: [f64; 3]) -> f64 {
     vector.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
-/// Largest side of the axis-parallel bounding box of points.
-pub fn largest_extent<'a>(points: impl Iterator<Item = &'a [f64; 3]> + Clone) -> f64 {
-    let along = |i: usize| {
-        let ends = points.clone().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x[i]), high.max(x[i])]);
-        ends[1] - ends[0]
-    };
-    (0..3).map(along).fold(0.0, f64::max)
+/// Twice the largest distance of points from their mean: a size that does not change when the points are turned; 0 without points.
+pub fn diameter<'a>(points: impl Iterator<Item = &'a [f64; 3]> + Clone) -> f64 {
+    let mut sum = [0.0; 3];
+    for point in points.clone() {
+        sum = std::array::from_fn(|i| sum[i] + point[i]);
+    }
+    let count = points.clone().count() as f64;
+    2.0 * points.map(|x| length(std::array::from_fn(|i| x[i] - sum[i] / count))).fold(0.0, f64::max)
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use super::joints::{Anchor, Coordinate, Gear, JointDefinition, JointKind};
 use crate::bodies::{BarycentricMap, Plane};
 use crate::integrators::Scheme;
 use crate::math::digits::three_digits;
-use crate::math::norms::{largest_extent, length};
+use crate::math::norms::{diameter, length};
 use crate::math::tolerances;
 
 const GEAR_REMEDY: &str =
@@ -60,9 +60,9 @@ impl Model {
         coupled.into_iter().flatten()
     }
 
-    /// Largest extent of the undeformed bodies along an axis `[length]`.
+    /// Size of the undeformed bodies together, whatever their orientation `[length]`.
     pub fn extent(&self) -> f64 {
-        largest_extent(self.bodies.iter().flat_map(|body| &body.mesh.points))
+        diameter(self.bodies.iter().flat_map(|body| &body.mesh.points))
     }
 
     /// Checks rigid bodies and joints.

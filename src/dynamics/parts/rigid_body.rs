@@ -1,7 +1,7 @@
 //! Rigid body in global node numbers: its masters, and its other nodes, whose motion follows from them.
 
 use crate::bodies::BarycentricMap;
-use crate::math::norms::largest_extent;
+use crate::math::norms::diameter;
 
 /// A rigid body among the bodies of a model.
 pub struct RigidBody {
@@ -28,7 +28,7 @@ impl RigidBody {
         RigidBody {
             nodes: (first..first + points.len()).map(|node| node as u32).collect(),
             followers: (0..dependents.len()).collect(),
-            size: largest_extent(points.iter()),
+            size: diameter(points.iter()),
             dependents,
             masters,
             frame,

@@ -10,7 +10,7 @@ use crate::dynamics::model::definitions::{BodyDefinition, Model};
 use crate::dynamics::model::interactions::BodyBoundary;
 use crate::dynamics::model::prescription::{PrescribedMotion, Prescription};
 use crate::dynamics::model::step_error::StepError;
-use crate::math::norms::largest_extent;
+use crate::math::norms::diameter;
 use crate::math::tolerances;
 
 /// A displacement component that follows a time function.
@@ -215,7 +215,7 @@ impl HeldUnknowns {
 /// displacement leaves them at rest.
 fn determined_components<const D: usize>(model: &Model, prescription: &Prescription, places: &[[f64; 3]], others: &[u32]) -> Vec<usize> {
     let nodes = |on: &BodyBoundary| model.bodies[on.body].mesh.boundary_nodes(&on.boundary);
-    let (center, size, own) = (places[0], largest_extent(places.iter()), nodes(&prescription.on));
+    let (center, size, own) = (places[0], diameter(places.iter()), nodes(&prescription.on));
     let row = |node: u32, component: usize| displacement_by_rigid_motions(places[node as usize], center, size, component);
     let mut held = DMatrix::zeros(6, 6);
     let mut hold = |row: Vector6<f64>| held += row * row.transpose();

@@ -66,6 +66,8 @@ pub struct Imbalance {
     pub of_nodes: f64,
     /// True if round-off can explain the whole imbalance.
     pub is_round_off: bool,
+    /// True if neither loads nor contacts act, and displacements of the given size explain the whole imbalance.
+    pub is_returned: bool,
     pub components: Vec<UnbalancedForce>,
 }
 
@@ -169,12 +171,12 @@ impl Balance {
         self.components.iter().filter(|component| component.rigid_mass.is_some()).map(|one| one.load::<D>(forces)).fold(0.0, f64::max)
     }
 
-    /// Imbalance of the forces of an iterate at rest, without damping.
-    pub fn judge<const D: usize>(&self, equations: &Equations<D>, Pose { q, u }: Pose, forces: &Forces) -> Imbalance
+    /// Imbalance of the forces of an iterate at rest, without damping; displacements up to `returned` are round-off `[length]`.
+    pub fn judge<const D: usize>(&self, equations: &Equations<D>, Pose { q, u }: Pose, forces: &Forces, returned: f64) -> Imbalance
     where
         Space<D>: Elements<D>,
     {
-        let mut imbalance = Imbalance { of_sums: 0.0, of_nodes: 0.0, is_round_off: true, components: Vec::new() };
+        let mut imbalance = Imbalance { of_sums: 0.0, of_nodes: 0.0, is_round_off: true, is_returned: true, components: Vec::new() };
         let mut motions: Vec<RigidMotions<D>> =
             self.components.iter().map(|component| RigidMotions::new(equations, &component.nodes, q)).collect();
         self.weigh(equations, q, &mut motions);
@@ -207,7 +209,9 @@ impl Balance {
             let scale = f64::max(loads, reactions).max(contacts);
             // Axisymmetric forces are those of the whole circumference.
             let around = if equations.nodes.is_axisymmetric { std::f64::consts::TAU * component.radius } else { 1.0 };
-            let floor = tolerances::FORCE_FLOOR * component.stiffness * reach * component.extent.powi(D as i32 - 2) * around;
+            let stiffness = component.stiffness * component.extent.powi(D as i32 - 2) * around;
+            let floor = tolerances::FORCE_FLOOR * stiffness * reach;
+            imbalance.is_returned &= loads == 0.0 && contacts == 0.0 && largest <= stiffness * returned;
             let (target_of_sums, target) = (tolerances::BALANCE * scale, tolerances::BALANCE * largest_force);
             imbalance.of_sums = imbalance.of_sums.max(pushes / target_of_sums.max(f64::MIN_POSITIVE));
             imbalance.of_nodes = imbalance.of_nodes.max(largest / target.max(f64::MIN_POSITIVE));

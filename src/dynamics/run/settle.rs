@@ -128,12 +128,17 @@ where
         let balance = Balance::new(&self.system, &self.model);
         let begun = self.state.positions.clone();
         let mut progress = Progress::new(begun.len(), Closing::of(&self.model), stride, care);
+        progress.returned = f64::EPSILON * largest_size(&self.state.displacements);
         let at = loop {
             let present = self.look(&balance, &progress)?;
             if present.is_closed && present.imbalance.excess() <= if care == SettleEffort::Coarse { COARSE } else { 1.0 } {
                 break present.at;
             }
             if present.is_closed && progress.has_only_ripples(present.imbalance.excess()) {
+                break present.at;
+            }
+            let has_returned = present.imbalance.is_returned && largest_size(&present.displacements) <= progress.returned;
+            if present.is_closed && has_returned {
                 break present.at;
             }
             if present.is_closed && self.gains_nothing(&present.imbalance, &mut progress.best) {
@@ -232,7 +237,7 @@ where
         };
         let is_carried = self.rest_friction && self.state.slips_until != time && self.system.pairs.iter().any(ContactPair::carries);
         let is_closed = prescribed == 0.0 && !is_carried && meets(&self.system, &at, &self.conditions_of_equilibrium(&start, &at.lambda));
-        let imbalance = balance.judge(&self.system, at.pose(), &at.forces);
+        let imbalance = balance.judge(&self.system, at.pose(), &at.forces, progress.returned);
         Ok(EvaluatedState { positions, displacements, predicted, moved, prescribed, is_whole, reaches, at, imbalance, is_closed })
     }
 

@@ -68,6 +68,8 @@ pub(super) struct Progress {
     least_ripple: f64,
     /// State at which only round-off was left, and its imbalance of sums and of nodes.
     pub(super) best: Option<(Arc<State>, [f64; 2])>,
+    /// Round-off of the first displacements: what remains of displacements that return to zero `[length]`.
+    pub(super) returned: f64,
 }
 
 impl Progress {
@@ -90,6 +92,7 @@ impl Progress {
             ripples: 0,
             least_ripple: f64::INFINITY,
             best: None,
+            returned: 0.0,
         }
     }
 

@@ -405,14 +405,15 @@ where
         let size = |vector: [f64; 3]| vector.iter().map(|x| x * x).sum::<f64>().sqrt();
         let kick = size(resultant) + size(turning) / system.nodes.extent;
         let momentum = tolerances::NEWTON_MOMENTUM * task.start.dt().abs() * kick * (2.0 * task.energy / system.nodes.total_mass).sqrt();
-        // Round-off of displacements, and of positions if forces depend on them, times stiffness, plus round-off of the motion times
-        // inertia.
+        // Round-off of the displacements at both ends, and of positions if forces depend on them, times stiffness, plus round-off of the
+        // motion times inertia.
         let least = f64::MIN_POSITIVE.sqrt() * system.nodes.extent;
         let of_positions = if system.depends_on_positions() { largest_size(&at.q_1).max(system.nodes.extent) } else { least };
-        let reach = largest_size(&at.u_1).max(of_positions);
+        let moved = largest_size(&at.moved);
+        let reach = largest_size(&at.u_1).max(moved).max(of_positions);
         let inertia = (0..system.bodies.len()).map(|body| task.start.inertia(body)).fold(0.0, f64::max);
         let (stiffness, mass) = (system.nodes.stiffness(), system.nodes.largest_nodal_mass);
-        record.floor = tolerances::FORCE_FLOOR * (stiffness * reach + inertia * mass * largest_size(&at.moved));
+        record.floor = tolerances::FORCE_FLOOR * (stiffness * reach + inertia * mass * moved);
         record.stalls = if system.has_point_constraints() { MOST_STALLS } else { 1 };
         record.enough = if task.start.is_at_rest() && system.has_rigid_bodies() {
             (tolerances::REST_STEP * forces.opposing).max(tolerances::REST_STEP * tolerances::BALANCE * forces.scale)

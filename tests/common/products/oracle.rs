@@ -215,7 +215,8 @@ fn cone(product: Named, ended: &Ended) -> Vec<Fault> {
     let mu = numbers.friction;
     let (pressure, shear, slip) =
         (told::first(&ended.printed, "pressure"), told::first(&ended.printed, "shear"), told::first(&ended.printed, "slip"));
-    let most = pressure.iter().fold(0.0f64, |most, p| most.max(p.abs()));
+    // Pressures below a millionth of Young's moduli are round-off of what moved before.
+    let most = pressure.iter().fold(1e-6 * 100.0, |most: f64, p| most.max(p.abs()));
     // Viscosity times the speed of the last step, which is at least a thousandth of `dt` long. A node without slip may be beside the
     // contact, where pressure and shear stress are means over a partly covered facet: the fastest node bounds its film.
     let fastest = slip.iter().fold(0.0f64, |fastest, slip| fastest.max(slip.abs()));
@@ -236,7 +237,7 @@ fn cone(product: Named, ended: &Ended) -> Vec<Fault> {
     if pressure.len() != shear.len() {
         return Vec::new();
     }
-    let beyond = |node: usize| (shear[node].abs() - bound(node)) / most.max(f64::MIN_POSITIVE);
+    let beyond = |node: usize| (shear[node].abs() - bound(node)) / most;
     let found = (0..shear.len()).map(beyond).fold(0.0, f64::max);
     if found > 1e-6 { vec![Fault::new("cone", format!("{found:.2e} of the largest pressure outside"))] } else { Vec::new() }
 }

@@ -5,7 +5,7 @@ use super::handle::{BodyHandle, BoundaryHandle, ModelHandle};
 use crate::bodies::{BarycentricMap, nodal_areas};
 use crate::dynamics::End;
 use crate::materials::{EnergyError, ScalarText};
-use crate::math::norms::largest_extent;
+use crate::math::norms::diameter;
 use crate::math::tolerances::SAME_NODE;
 use crate::script::api::materials::energies::refused;
 use crate::script::language::causes;
@@ -89,7 +89,7 @@ fn on_rigid(argument: &Argument, body: &BodyHandle) -> Result<Option<Vec<(u32, f
     let definition = body.definition();
     let Some(frame) = definition.rigid.and_then(|_| BarycentricMap::new(&definition.mesh)) else { return Ok(None) };
     let point = argument.vector(definition.mesh.dimension())?;
-    if body.model.0.borrow().model.nearest_node(body.index, point).1 <= SAME_NODE * largest_extent(definition.mesh.points.iter()) {
+    if body.model.0.borrow().model.nearest_node(body.index, point).1 <= SAME_NODE * diameter(definition.mesh.points.iter()) {
         return Ok(None);
     }
     Ok(Some(frame.masters.iter().copied().zip(frame.shares(point)).collect()))

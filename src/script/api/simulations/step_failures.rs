@@ -2,7 +2,7 @@
 
 use super::handle::SimulationHandle;
 use crate::dynamics::{BodyBoundary, FailureCause, Interaction, LoadKind, Missing, PERSISTENCY, StepError, default_rule};
-use crate::math::norms::largest_extent;
+use crate::math::norms::diameter;
 use crate::script::api::remedies::ScriptWords;
 use crate::script::api::time_functions::ClosureError;
 use crate::script::language::digits::{brief, vector_text};
@@ -101,7 +101,7 @@ impl SimulationHandle {
         let units = "use one set of units for all: N, m, kg and s with stresses in N/m^2, or N, mm, t and s with stresses in N/mm^2";
         for (index, body) in model.bodies.iter().enumerate().filter(|(_, body)| body.rigid.is_none()) {
             let modulus = body.material.youngs_modulus();
-            let height = largest_extent(body.mesh.points.iter());
+            let height = diameter(body.mesh.points.iter());
             let weight = body.material.density() * size(model.gravity) * height / modulus;
             if weight > CRUSHES {
                 return Some(format!(
