@@ -66,6 +66,11 @@ pub fn contact_pairs(
 /// thousandth of a facet on, constraints of flat surfaces and of their borders are no longer linearly dependent.
 const SLACK_IN_SPACE: f64 = 0.05;
 
+/// True if none of the `nodes` is among the `others`, ascending.
+fn avoids(nodes: &[u32], others: &[u32]) -> bool {
+    nodes.iter().all(|node| others.binary_search(node).is_err())
+}
+
 /// Data from which contact pairs are made.
 struct Pairing<'a> {
     model: &'a Model,
@@ -116,17 +121,19 @@ impl Pairing<'_> {
         self.model.interactions.iter().map(|interaction| self.pair_of(interaction)).collect()
     }
 
-    /// Surfaces of a contact in space with sub-facet points between their nodes; the primary surface of an obstacle is empty.
-    fn in_space(&self, interaction: &Interaction) -> ProxySurfacesInSpace<'_> {
+    /// Surfaces of a contact in space with sub-facet points between their nodes, the secondary surface without the faces at the nodes
+    /// `without`; the primary surface of an obstacle is empty.
+    fn in_space(&self, interaction: &Interaction, without: &[u32]) -> ProxySurfacesInSpace<'_> {
         let primary = if self.round.bodies(interaction).is_some() { &[] } else { interaction.primary() };
-        let faces = [std::slice::from_ref(&interaction.secondary), primary].map(|side| facets_of_all(side, self.faces));
+        let mut faces = [std::slice::from_ref(&interaction.secondary), primary].map(|side| facets_of_all(side, self.faces));
+        faces[0].retain(|face| avoids(face, without));
         interaction.proxy_surfaces_in_space(&faces, self.reference)
     }
 
     fn pair_of(&self, interaction: &Interaction) -> ContactPair {
         let Interaction { name, secondary, partner, .. } = interaction;
         if let Partner::Obstacle { shape: obstacle @ Obstacle::InSpace(shape), motion, turn } = partner {
-            let surfaces = self.in_space(interaction);
+            let surfaces = self.in_space(interaction, &[]);
             let is_hidden = surfaces.belongs_to(&self.round.nodes_inside(interaction));
             let nodes = NodesOnObstacle { is_hidden, heights: surfaces.heights(0), ..Default::default() };
             let kernel = rigid_contact(surfaces.secondary.clone(), obstacle, &surfaces.reference, nodes);
@@ -145,7 +152,7 @@ impl Pairing<'_> {
             return self.pair(name, PairKind::Tie, secondary.body, surfaces.on_nodes(Box::new(tie), true));
         }
         if let (3, Some(kernel)) = (self.model.dimension(), interaction.method.in_space) {
-            let surfaces = self.in_space(interaction);
+            let surfaces = self.in_space(interaction, &[]);
             let kernel = surfaces.on_nodes(kernel(&surfaces), true);
             let mut pair = self.held(self.pair(name, PairKind::Surfaces, secondary.body, kernel), interaction, false);
             if pair.has_multipliers() {
@@ -255,7 +262,8 @@ impl Pairing<'_> {
         Some(self.held(pair, interaction, false))
     }
 
-    /// Pairs of the corner constraints of contacts, for penetration that their weighted gaps do not detect.
+    /// Pairs of the corner constraints of contacts, for penetration that their weighted gaps do not detect. Round parts of rigid bodies,
+    /// which touch as arcs and spheres, have none.
     fn corners(&self, pairs: &[ContactPair]) -> Vec<ContactPair> {
         let has_corners = |of: usize| pairs[of].is_unilateral() || !pairs[of].has_multipliers();
         let size = |of: usize| pairs[of].kernel.facet_size();
@@ -281,7 +289,7 @@ impl Pairing<'_> {
                 continue;
             }
             if let Partner::Obstacle { shape: obstacle @ Obstacle::InSpace(shape), turn, .. } = &interaction.partner {
-                let surfaces = self.in_space(interaction);
+                let surfaces = self.in_space(interaction, &self.round.nodes_inside(interaction));
                 if let Some(kernel) = RigidCorners::new(&surfaces.secondary, obstacle, &surfaces.reference, size(of)) {
                     let kernel = self.turning(turn, surfaces.on_nodes(Box::new(kernel), false));
                     add(of, PairKind::Obstacle, interaction.secondary.body, SLACK_IN_SPACE, kernel);
@@ -293,7 +301,7 @@ impl Pairing<'_> {
                 continue;
             }
             if self.model.dimension() == 3 {
-                let surfaces = self.in_space(interaction);
+                let surfaces = self.in_space(interaction, &[]);
                 // Facets without edge constraints of their own would let the primary side enter between secondary nodes.
                 let surfaces = if interaction.method.is_nodal { surfaces.of_shape(FacetShape::Straight) } else { surfaces };
                 let kernel = CornersInSpace::kernel(&surfaces);
@@ -303,7 +311,9 @@ impl Pairing<'_> {
                 continue;
             }
             if let Partner::Obstacle { shape, turn, .. } = &interaction.partner {
-                let facets = (self.facets)(&interaction.secondary);
+                let mut facets = (self.facets)(&interaction.secondary);
+                let inside = self.round.nodes_inside(interaction);
+                facets.retain(|facet| avoids(facet, &inside));
                 let surfaces = self.middles.surfaces([&facets, &[]], self.reference, RowsOf::Facets);
                 let surface = Surface::new(&surfaces.secondary);
                 if let Some(kernel) = RigidCorners::new(&surface, shape, &surfaces.reference, size(of)) {
