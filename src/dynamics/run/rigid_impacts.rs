@@ -275,6 +275,10 @@ where
         // If a slip reverses, restitution may return more energy than compression has taken: the difference is taken from the friction
         // work.
         let (rest, dissipated) = (lost(&course).min(0.0), course.friction.iter().sum::<f64>());
+        // Where a contact jams, the multipliers of the step are indeterminate: without them, bodies would fly apart. They are kept.
+        if is_closing && motion.scheme.remembers.is_empty() && rest < dissipated - tolerances::JAMMED * self.state.row.energy_scale() {
+            return self.outcome(motion, solution, conditions, law, touches, [multipliers, &vec![0.0; taken.len()]], ending);
+        }
         let kept = if dissipated < 0.0 { ((dissipated - rest) / dissipated).clamp(0.0, 1.0) } else { 1.0 };
         course.friction.iter_mut().for_each(|work| *work *= kept);
         let friction = course.friction.iter().zip(&slipped).map(|(work, slipped)| work - slipped).collect();

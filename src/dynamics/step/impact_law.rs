@@ -269,7 +269,8 @@ impl ImpactLaw {
         if impulses.iter().any(|p| *p != 0.0) {
             return impulses;
         }
-        let approaches = |c: usize| part.targets[c] > rates[self.contacts[c].first];
+        let responds = |row: usize| self.response[row * self.rows() + row] > 0.0;
+        let approaches = |c: usize| part.targets[c] > rates[self.contacts[c].first] && responds(self.contacts[c].first);
         let pressed: Vec<usize> = (0..self.contacts.len()).filter(|&c| approaches(c)).collect();
         pressed.iter().for_each(|&c| impulses[self.contacts[c].first] = self.contacts[c].weight);
         let mut answer = vec![0.0; rates.len()];

@@ -9,6 +9,7 @@ use super::iterate::Linearization;
 use super::system::System;
 use crate::bodies::{Elements, Space};
 use crate::contact::Evaluation;
+use crate::math::tolerances;
 
 /// Velocity responses to impulses with ties, joints and rigid bodies as constraints.
 pub struct Responses {
@@ -52,8 +53,8 @@ where
         Ok(Responses { matrix, scale, unknowns: at.q_1.len(), gradients })
     }
 
-    /// Rates of all constraints by a unit impulse of each, row by row; and the power of the holding constraints per unit impulse at their
-    /// rates `held`, which are zero only to the order of the step.
+    /// Rates of all constraints by a unit impulse of each, row by row, zero where bodies are held; and the power of the holding constraints
+    /// per unit impulse at their rates `held`, which are zero only to the order of the step.
     ///
     /// # Errors
     /// The system is singular, or the run was interrupted.
@@ -68,6 +69,14 @@ where
                 of_rates[other * count + row] = gradient.iter().map(|&(k, g)| g * velocity[k]).sum();
             }
             powers[row] = velocity[responses.unknowns..].iter().zip(held).map(|(mu, rate)| mu / responses.scale * rate).sum();
+        }
+        // Impulses on bodies that are held move nothing but by round-off.
+        for (row, gradient) in responses.gradients.iter().enumerate() {
+            let of_free_body = gradient.iter().map(|(_, g)| g * g).sum::<f64>() / self.nodes.total_mass;
+            if of_rates[row * count + row] <= tolerances::HELD_RESPONSE * of_free_body {
+                (0..count).for_each(|other| (of_rates[row * count + other], of_rates[other * count + row]) = (0.0, 0.0));
+                powers[row] = 0.0;
+            }
         }
         // Symmetric but for round-off.
         for row in 0..count {

@@ -217,12 +217,12 @@ fn cone(product: Named, ended: &Ended) -> Vec<Fault> {
         (told::first(&ended.printed, "pressure"), told::first(&ended.printed, "shear"), told::first(&ended.printed, "slip"));
     // Pressures below a millionth of Young's moduli are round-off of what moved before.
     let most = pressure.iter().fold(1e-6 * 100.0, |most: f64, p| most.max(p.abs()));
-    // Viscosity times the speed of the last step, which is at least a thousandth of `dt` long. A node without slip may be beside the
-    // contact, where pressure and shear stress are means over a partly covered facet: the fastest node bounds its film.
+    // Viscosity times the speed of the last step. A node without slip may be beside the contact, where pressure and shear stress are means
+    // over a partly covered facet: the fastest node bounds its film.
     let fastest = slip.iter().fold(0.0f64, |fastest, slip| fastest.max(slip.abs()));
     let film = |node: usize| {
         let slip = slip.get(node).map(|slip| slip.abs()).filter(|slip| *slip > 0.0).unwrap_or(fastest);
-        0.1 * slip / told::first(&ended.printed, "dt").first().copied().unwrap_or(numbers.dt * 1e-2)
+        0.1 * slip / told::first(&ended.printed, "column dt:").first().copied().unwrap_or(numbers.dt)
     };
     let bound = |node: usize| {
         let p = if product.is("enforcement", &["equality"]) { pressure[node].abs() } else { pressure[node].max(0.0) };
