@@ -130,7 +130,7 @@ where
             }
             self.halvings.refuse(motion, dt, &state.row);
         }
-        let energy = self.energy_scale(&start, &predicted);
+        let energy = self.energy_scale(&motion, time, &predicted);
         let options = &self.options;
         let (is_exact, before) = (self.has_drifted(energy), self.system.counters);
         // Defects of the stages of a step add up.
@@ -179,20 +179,19 @@ where
         integrator.promises.energy && self.state.drift.abs() > tolerances::DEFECT * tolerance * energy
     }
 
-    /// Energy scale of defects: energy of the state, predicted kinetic energy, and work of loads along the prediction.
-    fn energy_scale(&self, start: &StepStart, predicted: &[f64]) -> f64 {
-        let (row, nodes, dt) = (&self.state.row, &self.system.nodes, start.dt());
+    /// Energy scale of defects: energy of the state, or the kinetic energy that loads and forces of earlier steps give to nodes at rest.
+    fn energy_scale(&self, motion: &Motion, time: f64, predicted: &[f64]) -> f64 {
+        let (row, nodes, dt) = (&self.state.row, &self.system.nodes, motion.dt);
         let floor = tolerances::FORCE_FLOOR * nodes.stiffness() * nodes.extent.powi(2);
         let mut load = vec![0.0; predicted.len()];
-        let work = match self.system.loads_into(predicted, start.time + 0.5 * dt, &mut load) {
-            // Kinetic energy that the loads give to nodes at rest within the step.
-            Ok(_) => (0..load.len())
-                .map(|k| (load[k] + nodes.weight[k], nodes.lumped_mass[k / D]))
-                .filter(|(force, _)| *force != 0.0)
-                .map(|(force, mass)| force.powi(2) * dt * dt / mass)
-                .sum::<f64>(),
-            Err(_) => 0.0,
-        };
+        if self.system.loads_into(predicted, time + 0.5 * dt, &mut load).is_err() {
+            load.fill(0.0);
+        } else {
+            load.iter_mut().zip(&nodes.weight).for_each(|(force, weight)| *force += weight);
+        }
+        load.iter_mut().zip(motion.remembered_force()).for_each(|(force, before)| *force += before);
+        let given = |(k, force): (usize, &f64)| force.powi(2) * dt * dt / nodes.lumped_mass[k / D];
+        let work: f64 = load.iter().enumerate().filter(|(_, force)| **force != 0.0).map(given).sum();
         (row.kinetic + row.strain.abs()).max(work).max(floor * tolerances::FORCE_FLOOR)
     }
 
