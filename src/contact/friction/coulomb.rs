@@ -52,13 +52,15 @@ impl FrictionLaw for Coulomb {
         // With a shear stress that remains at zero pressure there would be no equilibrium at a node that opens.
         let (adhesion, bound) = (self.adhesion * rest, ROUGH * pressure);
         let is_bound = adhesion > bound;
+        // At zero pressure a node comes into contact: its pressure will likely be beyond that of the bound.
+        let of_bound = if is_bound && pressure > 0.0 { ROUGH } else { 0.0 };
         let dry = mu * pressure + adhesion.min(bound);
         if dry >= self.most {
             return Limit { shear: self.most, ..Limit::default() };
         }
         Limit {
             shear: dry,
-            by_pressure: mu + if is_bound { ROUGH } else { 0.0 },
+            by_pressure: mu + of_bound,
             by_speed: (coefficient * over * pressure + if is_bound { 0.0 } else { self.adhesion }) * by_speed,
         }
     }

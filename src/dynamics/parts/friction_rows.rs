@@ -146,9 +146,11 @@ impl NormalState<'_> {
         let by_slip = if self.lagged.is_some() { 0.0 } else { self.around * self.speed };
         // Beyond the bearing limit of the lubricant film its shear stress is proportional to the pressure, like dry friction.
         let film = if self.is_film_at(slip) { 0.0 } else { ROUGH };
+        // A node that comes into contact at this iterate will have a pressure of unknown size, likely beyond that of this limit.
+        let by_pressure = if self.normal > 0.0 { film } else { 0.0 };
         Limit {
             shear: limit.shear * self.around + film * self.normal.max(0.0),
-            by_pressure: limit.by_pressure + film,
+            by_pressure: limit.by_pressure + by_pressure,
             by_speed: limit.by_speed * by_slip,
         }
     }
