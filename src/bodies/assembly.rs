@@ -1,11 +1,10 @@
 //! Assembly of the element loop: forces and tangents of batches of cells, added to sums over the nodes of the model or kept per cell.
 //!
 //! One kernel serves both, because it contains all the mechanics of a cell kind: it is the largest function of the program, and it is
-//! compiled for every kind.
+//! compiled for each number of nodes and points that kinds have room for.
 
 use std::ops::Range;
 
-use super::batch::many;
 use super::cells::{Cells, PlacedRun};
 use super::element_loop::{Inverted, Step};
 use super::workspace::Workspace;
@@ -19,10 +18,10 @@ pub(super) type Tangent<const D: usize, const A: usize> = [[[[Lanes<false>; D]; 
 
 /// Copies a tangent, block by block: the compiler would make a whole copy of it on the stack.
 #[inline(always)]
-fn copy<const FMA: bool, const D: usize, const A: usize>(from: &[[[[Lanes<FMA>; D]; A]; D]; A], to: &mut Tangent<D, A>) {
-    for b in 0..many::<A>() {
+fn copy<const FMA: bool, const D: usize, const A: usize>(count: usize, from: &[[[[Lanes<FMA>; D]; A]; D]; A], to: &mut Tangent<D, A>) {
+    for b in 0..count {
         for k in 0..D {
-            for a in 0..many::<A>() {
+            for a in 0..count {
                 for i in 0..D {
                     to[b][k][a][i] = Lanes(from[b][k][a][i].0);
                 }
@@ -65,7 +64,7 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
     fn run<const FMA: bool>(self) -> Result<(), usize> {
         let Assemble { cells, step, batches, mut target, geometric } = self;
         let with_tangent = !matches!(target, Target::Sums(Sums { values: None, .. }));
-        let mut work = Workspace::<FMA, D, S, A, Q>::new(cells.physics.strain);
+        let mut work = Workspace::<FMA, D, S, A, Q>::new(cells.physics.strain, cells.table.counts);
         let mut answer = None;
         for index in batches {
             if !cells.respond(index, step, &mut work, &mut answer, with_tangent.then_some(geometric)) {
@@ -78,7 +77,7 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
                     }
                     cells.scatter_force(index, &work, sums);
                 }
-                Target::Cells(tangent) => copy(&work.tangent, tangent),
+                Target::Cells(tangent) => copy(cells.table.counts.nodes(), &work.tangent, tangent),
             }
         }
         Ok(())
@@ -132,10 +131,11 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
     /// Adds the force of the cells of a batch.
     #[inline(always)]
     fn scatter_force<const FMA: bool>(&self, index: usize, work: &Workspace<FMA, D, S, A, Q>, sums: &mut Sums) {
-        let batch = &self.batches[index];
+        let (batch, count) = (&self.batches[index], self.table.counts.nodes());
+        let nodes = &batch.nodes[..count];
         for lane in 0..batch.count {
-            for a in 0..many::<A>() {
-                let force = &mut sums.force[batch.nodes[a][lane] as usize * D - sums.first_unknown..][..D];
+            for a in 0..count {
+                let force = &mut sums.force[nodes[a][lane] as usize * D - sums.first_unknown..][..D];
                 for i in 0..D {
                     force[i] += work.force[a][i].0[lane];
                 }
@@ -146,14 +146,15 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
     /// Adds the tangent of a batch's cells to values that start at `first_value`.
     #[inline(always)]
     fn scatter_tangent<const FMA: bool>(&self, index: usize, work: &Workspace<FMA, D, S, A, Q>, values: &mut [f64], first_value: usize) {
-        let count = self.batches[index].count;
-        for (lane, places) in self.places[index * WIDTH..][..count].iter().enumerate() {
-            for b in 0..many::<A>() {
-                let Block { start, stride } = places.columns[b];
+        let count = self.table.counts.nodes();
+        for lane in 0..self.batches[index].count {
+            let (columns, rows) = self.places.of(index * WIDTH + lane, count);
+            for b in 0..count {
+                let Block { start, stride } = columns[b];
                 for k in 0..D {
                     let column = &mut values[start as usize + k * stride as usize - first_value..][..stride as usize];
-                    for a in 0..many::<A>() {
-                        let values = &mut column[places.rows[b][a] as usize..][..D];
+                    for a in 0..count {
+                        let values = &mut column[rows[b * count + a] as usize..][..D];
                         for i in 0..D {
                             values[i] += work.tangent[b][k][a][i].0[lane];
                         }

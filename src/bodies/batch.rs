@@ -17,8 +17,45 @@ const FEW: usize = 4;
 /// Largest number of quadrature points of a cell.
 pub(super) const MOST_POINTS: usize = 27;
 
-/// Shape functions of a reference cell at its quadrature points.
+/// Numbers of nodes and quadrature points of a cell kind. What works on batches is compiled for room for `A` nodes and `Q` points, which
+/// several kinds share: code for each kind took twice as long to compile and was no faster. Room for few nodes or points is filled, so that
+/// loops over it are unrolled.
+#[derive(Clone, Copy)]
+pub(super) struct Counts<const A: usize, const Q: usize> {
+    nodes: usize,
+    points: usize,
+}
+
+impl<const A: usize, const Q: usize> Counts<A, Q> {
+    /// Counts of a kind with `N` nodes and `P` points.
+    pub(super) fn new<const N: usize, const P: usize>() -> Self {
+        const { assert!(if A > FEW { N <= A } else { N == A } && if Q > FEW { P <= Q } else { P == Q }) };
+        Counts { nodes: N, points: P }
+    }
+
+    /// Number of nodes of a cell.
+    #[inline(always)]
+    pub(super) fn nodes(self) -> usize {
+        if A > FEW { self.nodes } else { A }
+    }
+
+    /// Number of quadrature points of a cell.
+    #[inline(always)]
+    pub(super) fn points(self) -> usize {
+        if Q > FEW { self.points } else { Q }
+    }
+}
+
+/// Array with the given first entries and copies of `rest`.
+pub(super) fn filled<T: Copy, const M: usize>(first: impl IntoIterator<Item = T>, rest: T) -> [T; M] {
+    let mut all = [rest; M];
+    all.iter_mut().zip(first).for_each(|(entry, value)| *entry = value);
+    all
+}
+
+/// Shape functions of a reference cell at its quadrature points; beyond the kind's nodes and points all entries are zero.
 pub(super) struct Table<const D: usize, const A: usize, const Q: usize> {
+    pub(super) counts: Counts<A, Q>,
     /// Values of the shape functions.
     pub(super) shapes: [[f64; A]; Q],
     /// Products of the shape functions, for the mass.
@@ -30,26 +67,38 @@ pub(super) struct Table<const D: usize, const A: usize, const Q: usize> {
 }
 
 impl<const D: usize, const A: usize, const Q: usize> Table<D, A, Q> {
-    pub(super) fn new<C: ReferenceCell<D, A, Q>>() -> Self {
+    pub(super) fn new<C: ReferenceCell<D, N, P>, const N: usize, const P: usize>() -> Self {
         let points = C::quadrature();
+        let rows = |row: [f64; N]| filled(row, 0.0);
         Table {
-            shapes: points.map(|(xi, _)| C::shape(xi)),
-            products: C::products(),
-            extrapolation: C::extrapolation(),
-            gradients: points.map(|(xi, _)| C::gradients(xi)),
-            weights: points.map(|(_, w)| w),
+            counts: Counts::new::<N, P>(),
+            shapes: filled(points.map(|(xi, _)| rows(C::shape(xi))), [0.0; A]),
+            products: filled(C::products().map(|products| filled(products.map(rows), [0.0; A])), [[0.0; A]; A]),
+            extrapolation: filled(C::extrapolation().map(rows), [0.0; A]),
+            gradients: filled(points.map(|(xi, _)| filled(C::gradients(xi), [0.0; D])), [[0.0; D]; A]),
+            weights: filled(points.map(|(_, w)| w), 0.0),
         }
+    }
+
+    /// Undeformed position of point `q` relative to the last node of each cell.
+    #[inline(always)]
+    pub(super) fn place(&self, batch: &Batch<D>, q: usize) -> [Lanes<false>; D] {
+        let mut place = [Lanes::ZERO; D];
+        for (edge, &shape) in batch.edges[..self.counts.nodes() - 1].iter().zip(&self.shapes[q]) {
+            (0..D).for_each(|i| place[i] = place[i] + edge[i] * shape);
+        }
+        place
     }
 }
 
 /// Eight cells; in the last batch the first cell fills missing lanes.
-pub(super) struct Batch<const D: usize, const A: usize> {
+pub(super) struct Batch<const D: usize> {
     /// Node numbers in the model, node by node of the cells.
-    pub(super) nodes: [[u32; WIDTH]; A],
+    pub(super) nodes: Vec<[u32; WIDTH]>,
     /// Number of cells.
     pub(super) count: usize,
     /// Vectors from the last node to each node in the reference positions.
-    pub(super) edges: [[Lanes<false>; D]; A],
+    pub(super) edges: Vec<[Lanes<false>; D]>,
     /// First coordinate of the last node in the reference positions `[length]`; in a body of revolution, its radius.
     pub(super) last: Lanes<false>,
     /// Ratio of stress-free to initial length at each point; empty if initial lengths are stress-free.
@@ -58,24 +107,26 @@ pub(super) struct Batch<const D: usize, const A: usize> {
     pub(super) mass: Vec<Lanes<false>>,
 }
 
-impl<const D: usize, const A: usize> Batch<D, A> {
+impl<const D: usize> Batch<D> {
     /// Batch of up to eight cells with the node positions `points`; model node numbers start at `first_node`.
     pub(super) fn new(cells: &[&[u32]], points: &[[f64; 3]], first_node: usize) -> Self {
+        let count = cells[0].len();
         let mut batch = Batch {
-            nodes: [[0; WIDTH]; A],
+            nodes: vec![[0; WIDTH]; count],
             count: cells.len(),
-            edges: [[Lanes::ZERO; D]; A],
+            edges: vec![[Lanes::ZERO; D]; count],
             last: Lanes::ZERO,
             growth: Vec::new(),
             mass: Vec::new(),
         };
         for lane in 0..WIDTH {
             let cell = cells.get(lane).unwrap_or(&cells[0]);
-            batch.last.0[lane] = points[cell[A - 1] as usize][0];
-            for a in 0..many::<A>() {
+            let last = points[cell[count - 1] as usize];
+            batch.last.0[lane] = last[0];
+            for a in 0..count {
                 batch.nodes[a][lane] = cell[a] + first_node as u32;
                 for i in 0..D {
-                    batch.edges[a][i].0[lane] = points[cell[a] as usize][i] - points[cell[A - 1] as usize][i];
+                    batch.edges[a][i].0[lane] = points[cell[a] as usize][i] - last[i];
                 }
             }
         }
@@ -84,19 +135,19 @@ impl<const D: usize, const A: usize> Batch<D, A> {
 
     /// Displacements of the nodes relative to the last node of each cell, and of the last node itself.
     #[inline(always)]
-    pub(super) fn displacements<const FMA: bool>(&self, all: &[f64]) -> [[Lanes<FMA>; D]; A] {
-        let mut u = [[Lanes::ZERO; D]; A];
-        for a in 0..many::<A>() {
+    pub(super) fn displacements<const FMA: bool, const A: usize>(&self, count: usize, all: &[f64]) -> [[Lanes<FMA>; D]; A] {
+        let (mut u, nodes) = ([[Lanes::ZERO; D]; A], &self.nodes[..count]);
+        for a in 0..count {
             for lane in 0..WIDTH {
-                let displacement = &all[self.nodes[a][lane] as usize * D..][..D];
+                let displacement = &all[nodes[a][lane] as usize * D..][..D];
                 for i in 0..D {
                     u[a][i].0[lane] = displacement[i];
                 }
             }
         }
-        for a in 0..many::<A>() - 1 {
+        for a in 0..count - 1 {
             for i in 0..D {
-                u[a][i] = u[a][i] - u[A - 1][i];
+                u[a][i] = u[a][i] - u[count - 1][i];
             }
         }
         u
@@ -122,13 +173,13 @@ impl<const FMA: bool, const D: usize, const A: usize> Point<FMA, D, A> {
     pub(super) const ZERO: Self =
         Point { gradients: [[Lanes::ZERO; D]; A], volume: Lanes::ZERO, weighed: Lanes::ZERO, slack: Lanes::ZERO, curvature: Lanes::ZERO };
 
-    /// Quadrature point of cells with the given edges; `gradients`: gradients of the shape functions on the reference cell.
+    /// Sets the point of cells with the given edges, one for each node; `gradients`: those of the shape functions on the reference cell.
     #[inline(always)]
-    pub(super) fn new(edges: &[[Lanes<false>; D]; A], gradients: &[[f64; D]; A], weight: f64) -> Self {
+    pub(super) fn set(&mut self, edges: &[[Lanes<false>; D]], gradients: &[[f64; D]; A], weight: f64) {
         let mut jacobian = [[Lanes::<FMA>::ZERO; D]; D];
         for i in 0..D {
             for j in 0..D {
-                for a in 0..many::<A>() - 1 {
+                for a in 0..edges.len() - 1 {
                     jacobian[i][j] = cast::<FMA>(edges[a][i]).mul_add(Lanes::splat(gradients[a][j]), jacobian[i][j]);
                 }
             }
@@ -136,24 +187,24 @@ impl<const FMA: bool, const D: usize, const A: usize> Point<FMA, D, A> {
         let (determinant, cofactor) = determinant_and_cofactor(&jacobian);
         let inverse = Lanes::splat(1.0) / determinant;
         let volume = determinant * weight;
-        let mut point = Point { volume, weighed: volume, ..Self::ZERO };
+        (self.volume, self.weighed, self.slack, self.curvature) = (volume, volume, Lanes::ZERO, Lanes::ZERO);
+        self.gradients[..edges.len()].fill([Lanes::ZERO; D]);
         for i in 0..D {
             for j in 0..D {
                 let slope = cofactor[i][j] * inverse;
-                for a in 0..many::<A>() - 1 {
-                    point.gradients[a][i] = slope.mul_add(Lanes::splat(gradients[a][j]), point.gradients[a][i]);
+                for a in 0..edges.len() - 1 {
+                    self.gradients[a][i] = slope.mul_add(Lanes::splat(gradients[a][j]), self.gradients[a][i]);
                 }
             }
         }
-        point
     }
 
-    /// Converts the point to one of a body of revolution, whose volume is that of the whole circumference.
+    /// Converts the point to one of a body of revolution, whose volume is that of the whole circumference; `last`: radii of the last nodes.
     #[inline(always)]
-    pub(super) fn revolve(&mut self, batch: &Batch<D, A>, shapes: &[f64; A]) {
-        let mut radius = cast::<FMA>(batch.last);
-        for a in 0..many::<A>() - 1 {
-            radius = cast::<FMA>(batch.edges[a][0]).mul_add(Lanes::splat(shapes[a]), radius);
+    pub(super) fn revolve(&mut self, last: Lanes<false>, edges: &[[Lanes<false>; D]], shapes: &[f64; A]) {
+        let mut radius = cast::<FMA>(last);
+        for a in 0..edges.len() - 1 {
+            radius = cast::<FMA>(edges[a][0]).mul_add(Lanes::splat(shapes[a]), radius);
         }
         self.curvature = Lanes::splat(1.0) / radius;
         self.volume = self.volume * radius * std::f64::consts::TAU;
@@ -170,37 +221,30 @@ impl<const FMA: bool, const D: usize, const A: usize> Point<FMA, D, A> {
         (0..directions).for_each(|_| self.volume = self.volume * factor);
     }
 
-    /// Hoop stretch minus 1, that is `u_r/R`, of cells without swelling.
+    /// Hoop stretch from the stress-free state minus 1; without swelling `u_r/R`.
     #[inline(always)]
-    pub(super) fn hoop(&self, u: &[[Lanes<FMA>; D]; A], shapes: &[f64; A]) -> Lanes<FMA> {
-        let mut moved = u[A - 1][0];
-        for a in 0..many::<A>() - 1 {
+    pub(super) fn hoop(&self, count: usize, u: &[[Lanes<FMA>; D]; A], shapes: &[f64; A]) -> Lanes<FMA> {
+        let mut moved = u[count - 1][0];
+        for a in 0..count - 1 {
             moved = u[a][0].mul_add(Lanes::splat(shapes[a]), moved);
         }
-        moved * self.curvature
+        moved * self.curvature + self.slack
     }
 
     /// Displacement gradient relative to the stress-free state.
     #[inline(always)]
-    pub(super) fn displacement_gradient(&self, u: &[[Lanes<FMA>; D]; A]) -> [[Lanes<FMA>; D]; D] {
+    pub(super) fn displacement_gradient(&self, count: usize, u: &[[Lanes<FMA>; D]; A]) -> [[Lanes<FMA>; D]; D] {
         let mut h = [[Lanes::ZERO; D]; D];
         for i in 0..D {
             h[i][i] = self.slack;
             for j in 0..D {
-                for a in 0..many::<A>() - 1 {
+                for a in 0..count - 1 {
                     h[i][j] = u[a][i].mul_add(self.gradients[a][j], h[i][j]);
                 }
             }
         }
         h
     }
-}
-
-/// Returns `N`, a number of nodes or points. Large numbers are hidden from the optimizer, which otherwise unrolls all loops over them:
-/// minutes of compile time without a gain in speed.
-#[inline(always)]
-pub(super) fn many<const N: usize>() -> usize {
-    if N > FEW { std::hint::black_box(N) } else { N }
 }
 
 #[inline(always)]

@@ -14,7 +14,7 @@
 
 use std::ops::Range;
 
-use super::batch::{Batch, Table, many};
+use super::batch::{Batch, Point, Table, cast, deformation_gradient, determinant_and_cofactor};
 use super::completion::AddedForce;
 use super::consistent_mass::{MassRule, summed};
 use super::element_loop::{Advance, BodyState, ElementLoop, FastestCell, ForcePerMass, Inverted, PointStress, Step};
@@ -31,22 +31,30 @@ use crate::math::simd::{Kernel, dispatch};
 use crate::math::workers::Workers;
 use crate::mesh::{Block as MeshBlock, Mesh};
 
-/// Places of the blocks of a cell in the array of values.
-#[derive(Clone, Copy)]
-pub(super) struct Places<const A: usize> {
-    /// Columns of the unknowns of each node: position of the first value, and length.
-    pub(super) columns: [Block; A],
-    /// Position of the block of node `a` inside a column of node `b`: `rows[b][a]`.
-    pub(super) rows: [[u32; A]; A],
+/// Places of the blocks of the cells in the array of values; empty before a matrix is placed.
+#[derive(Default)]
+pub(super) struct Places {
+    /// Columns of the unknowns of each node, cell by cell: position of the first value, and length.
+    columns: Vec<Block>,
+    /// Position of the block of node `a` inside a column of node `b`, cell by cell, with `a` running fastest.
+    rows: Vec<u32>,
 }
 
-/// The cells of a body.
+impl Places {
+    /// Columns, and positions of blocks inside them, of a cell with `count` nodes.
+    #[inline(always)]
+    pub(super) fn of(&self, cell: usize, count: usize) -> (&[Block], &[u32]) {
+        (&self.columns[cell * count..][..count], &self.rows[cell * count * count..][..count * count])
+    }
+}
+
+/// The cells of a body, of a kind with at most `A` nodes and `Q` quadrature points ([`Counts`](super::batch::Counts)).
 pub(super) struct Cells<const D: usize, const S: usize, const L: usize, const A: usize, const Q: usize> {
     pub(super) physics: Physics<S, L>,
     cliques: Vec<Vec<u32>>,
     pub(super) table: Table<D, A, Q>,
-    pub(super) batches: Vec<Batch<D, A>>,
-    pub(super) places: Vec<Places<A>>,
+    pub(super) batches: Vec<Batch<D>>,
+    pub(super) places: Places,
     rounds: Vec<Vec<PlacedRun<D>>>,
 }
 
@@ -68,7 +76,7 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
     ///
     /// # Errors
     /// The first inverted cell.
-    pub(super) fn new<C: ReferenceCell<D, A, Q>>(
+    pub(super) fn new<C: ReferenceCell<D, N, P>, const N: usize, const P: usize>(
         mesh: &Mesh,
         block: &MeshBlock,
         physics: Physics<S, L>,
@@ -82,21 +90,21 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
             physics,
             rounds: rounds(&cliques, WIDTH, touched).into_iter().map(|round| round.into_iter().map(unplaced).collect()).collect(),
             cliques,
-            table: Table::new::<C>(),
+            table: Table::new::<C, N, P>(),
             batches: cells.chunks(WIDTH).map(|chunk| Batch::new(chunk, &mesh.points, first_node)).collect(),
-            places: Vec::new(),
+            places: Places::default(),
         };
         for (index, batch) in elements.batches.iter().enumerate() {
             let volumes = elements.deform(batch, None).volumes;
             for lane in 0..batch.count {
                 let smallest =
-                    volumes.iter().map(|volume| volume.0[lane]).fold(f64::INFINITY, |least, v| if v >= least { least } else { v });
+                    volumes[..P].iter().map(|volume| volume.0[lane]).fold(f64::INFINITY, |least, v| if v >= least { least } else { v });
                 if smallest.is_nan() || smallest <= 0.0 {
                     return Err(Inverted { cell: index * WIDTH + lane, determinant: smallest });
                 }
             }
         }
-        let (rule, is_section) = (MassRule::new::<C, Q>(block.kind.shape()), elements.physics.is_axisymmetric());
+        let (rule, is_section) = (MassRule::new::<C, N, P>(block.kind.shape()), elements.is_axisymmetric());
         let mut room = Vec::new();
         for index in 0..elements.batches.len() {
             let volumes = elements.deform(&elements.batches[index], None).weighed;
@@ -105,13 +113,20 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
         Ok(elements)
     }
 
-    /// Entry of the consistent mass matrix between two nodes of a cell, per density, from the initial volumes of its points.
-    pub(super) fn mass_product(&self, batch: &Batch<D, A>, volumes: &[Lanes<false>; Q], lane: usize, [a, b]: [usize; 2]) -> f64 {
-        batch.kept_mass(a, b).map_or_else(|| summed(&self.table, volumes, lane, [a, b]), |product| product.0[lane])
+    /// Consistent mass matrix of a cell, row by row and per density, from the initial volumes of its points.
+    pub(super) fn mass_products(&self, batch: &Batch<D>, volumes: &[Lanes<false>; Q], lane: usize) -> Vec<f64> {
+        let nodes = 0..batch.nodes.len();
+        let entry = |a: usize, b: usize| match batch.kept_mass(a, b) {
+            Some(product) => product.0[lane],
+            None => summed(&self.table, volumes, lane, [a, b]),
+        };
+        nodes.clone().flat_map(|a| nodes.clone().map(move |b| (a, b))).map(|(a, b)| entry(a, b)).collect()
     }
 
     /// Volumes, displacement gradients and strains of a batch at its points; those of the undeformed cells if `u` is `None`.
-    pub(super) fn deform(&self, batch: &Batch<D, A>, u: Option<&[f64]>) -> Deformation<D, S, Q> {
+    /// Never inlined: the kernel would be compiled for each file that calls it.
+    #[inline(never)]
+    pub(super) fn deform(&self, batch: &Batch<D>, u: Option<&[f64]>) -> Deformation<D, S, Q> {
         dispatch(Deform { cells: self, batch, u })
     }
 
@@ -120,16 +135,22 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
         &self.cliques[batch * WIDTH + lane]
     }
 
-    /// Sets the quadrature points of a batch relative to the stress-free state; for bodies of revolution with volumes of the whole
+    /// True for the cells of a body of revolution, which are plane.
+    pub(super) fn is_axisymmetric(&self) -> bool {
+        D == 2 && self.physics.is_axisymmetric()
+    }
+
+    /// Sets quadrature point `q` of a batch relative to the stress-free state; for bodies of revolution with the volume of the whole
     /// circumference.
     #[inline(always)]
-    pub(super) fn set_points<const FMA: bool>(&self, batch: &Batch<D, A>, work: &mut Workspace<FMA, D, S, A, Q>) {
-        work.set_points(batch, &self.table);
-        if self.physics.is_axisymmetric() {
-            work.revolve(batch, &self.table);
+    pub(super) fn set_point<const FMA: bool>(&self, batch: &Batch<D>, q: usize, point: &mut Point<FMA, D, A>) {
+        let (table, edges) = (&self.table, &batch.edges[..self.table.counts.nodes()]);
+        point.set(edges, &table.gradients[q], table.weights[q]);
+        if self.is_axisymmetric() {
+            point.revolve(batch.last, edges, &table.shapes[q]);
         }
-        if !batch.growth.is_empty() {
-            work.grow(batch, self.physics.directions::<D>());
+        if let Some(factor) = batch.growth.get(q) {
+            point.grow(cast(*factor), self.physics.directions::<D>());
         }
     }
 
@@ -145,8 +166,10 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
         geometric: Option<f64>,
     ) -> bool {
         let (batch, table, physics) = (&self.batches[index], &self.table, &self.physics);
-        let is_axisymmetric = physics.is_axisymmetric();
-        self.set_points(batch, work);
+        let is_axisymmetric = self.is_axisymmetric();
+        for q in 0..table.counts.points() {
+            self.set_point(batch, q, &mut work.points[q]);
+        }
         work.set_start(batch, step.u_0);
         work.set_end(batch, step.u_1);
         if work.is_inside_out() {
@@ -173,7 +196,7 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
         }
         if let (Some(points), Some(answer)) = (special, answer) {
             // A nonpositive hoop stretch also counts as an inverted cell.
-            if points.hoop[1][..Q].iter().any(|hoop| hoop.0.iter().any(|hoop| *hoop <= -1.0)) {
+            if points.hoop[1][..points.count].iter().any(|hoop| hoop.0.iter().any(|hoop| *hoop <= -1.0)) {
                 return false;
             }
             let share = geometric.unwrap_or_default() * work.geometric_share(step.derivative.placement().share);
@@ -199,7 +222,7 @@ pub(super) struct Deformation<const D: usize, const S: usize, const Q: usize> {
 
 struct Deform<'a, const D: usize, const S: usize, const L: usize, const A: usize, const Q: usize> {
     cells: &'a Cells<D, S, L, A, Q>,
-    batch: &'a Batch<D, A>,
+    batch: &'a Batch<D>,
     u: Option<&'a [f64]>,
 }
 
@@ -208,31 +231,45 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
 
     #[inline(always)]
     fn run<const FMA: bool>(self) -> Deformation<D, S, Q> {
-        let table = &self.cells.table;
-        let mut work = Workspace::<FMA, D, S, A, Q>::new(self.cells.physics.strain);
-        let is_axisymmetric = self.cells.physics.is_axisymmetric();
-        self.cells.set_points(self.batch, &mut work);
-        if let Some(u) = self.u {
-            work.set_end(self.batch, u);
-        }
+        let Deform { cells, batch, u } = self;
+        let (table, strain, count) = (&cells.table, cells.physics.strain, cells.table.counts.nodes());
+        let u = u.map(|u| batch.displacements::<FMA, A>(count, u));
         let mut deformation = Deformation {
-            volumes: std::array::from_fn(|q| Lanes(work.points[q].volume.0)),
-            weighed: std::array::from_fn(|q| Lanes(work.points[q].weighed.0)),
-            gradient: std::array::from_fn(|q| relabel_rows(&work.gradient_1[q])),
-            strain: work.strain_1,
-            smallest_determinants: work.smallest_determinants().0,
-            special: None,
+            volumes: [Lanes::ZERO; Q],
+            weighed: [Lanes::ZERO; Q],
+            gradient: [[[Lanes::ZERO; D]; D]; Q],
+            strain: [[Lanes::ZERO; S]; Q],
+            smallest_determinants: [f64::INFINITY; WIDTH],
+            special: cells.physics.special.is_some().then(|| Box::new(SpecialPoints::new(table.counts.points()))),
         };
-        if self.cells.physics.special.is_some() {
-            let points = work.special_points(self.batch, table, [None, self.u.filter(|_| is_axisymmetric)]);
-            for hoop in &points.hoop[1][..Q] {
-                for lane in 0..WIDTH {
-                    // A body of revolution that crosses its axis also counts as inverted.
-                    let least = &mut deformation.smallest_determinants[lane];
-                    *least = least.min(*least * (1.0 + hoop.0[lane])).min(1.0 + hoop.0[lane]);
+        let mut point = Point::<FMA, D, A>::ZERO;
+        for q in 0..table.counts.points() {
+            cells.set_point(batch, q, &mut point);
+            let gradient = u.as_ref().map_or([[Lanes::ZERO; D]; D], |u| point.displacement_gradient(count, u));
+            deformation.volumes[q] = Lanes(point.volume.0);
+            deformation.weighed[q] = Lanes(point.weighed.0);
+            deformation.gradient[q] = relabel_rows(&gradient);
+            deformation.strain[q] = strain.of(&gradient, Lanes::ZERO);
+            let determinant = determinant_and_cofactor(&deformation_gradient(&gradient)).0;
+            for (smallest, &determinant) in deformation.smallest_determinants.iter_mut().zip(&determinant.0) {
+                // A NaN determinant replaces the minimum, so that the result is NaN.
+                let keep = *smallest < determinant || smallest.is_nan();
+                *smallest = if keep { *smallest } else { determinant };
+            }
+            if let Some(points) = &mut deformation.special {
+                points.volume[q] = deformation.volumes[q];
+                points.places[q] = table.place(batch, q);
+                points.gradients[1][q] = deformation.gradient[q];
+                if let Some(u) = u.as_ref().filter(|_| cells.is_axisymmetric()) {
+                    points.hoop[1][q] = Lanes(point.hoop(count, u, &table.shapes[q]).0);
                 }
             }
-            deformation.special = Some(Box::new(points));
+        }
+        for hoop in deformation.special.iter().flat_map(|points| &points.hoop[1][..points.count]) {
+            for (least, hoop) in deformation.smallest_determinants.iter_mut().zip(hoop.0) {
+                // A body of revolution that crosses its axis also counts as inverted.
+                *least = least.min(*least * (1.0 + hoop)).min(1.0 + hoop);
+            }
         }
         deformation
     }
@@ -245,11 +282,16 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
 
     fn place(&mut self, pattern: &Pattern) {
         let columns = |node: u32| pattern.block(pattern.neighbors(node as usize)[0], node);
-        let places = |nodes: &Vec<u32>| Places {
-            columns: std::array::from_fn(|b| columns(nodes[b])),
-            rows: std::array::from_fn(|b| std::array::from_fn(|a| pattern.block(nodes[a], nodes[b]).start - columns(nodes[b]).start)),
-        };
-        self.places = self.cliques.iter().map(places).collect();
+        let (cells, count) = (self.cliques.len(), self.table.counts.nodes());
+        let mut places = Places { columns: Vec::with_capacity(cells * count), rows: Vec::with_capacity(cells * count * count) };
+        for nodes in &self.cliques {
+            for &b in nodes {
+                let column = columns(b);
+                places.columns.push(column);
+                places.rows.extend(nodes.iter().map(|&a| pattern.block(a, b).start - column.start));
+            }
+        }
+        self.places = places;
         let before = |node: usize| columns(node as u32).start as usize;
         let after = |node: usize| before(node) + D * columns(node as u32).stride as usize;
         let values = |nodes: &Range<usize>| before(nodes.start)..after(nodes.end - 1);
@@ -260,11 +302,11 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
     }
 
     fn grow(&mut self, factor: &dyn Fn(u32) -> f64) -> f64 {
-        let (shapes, mut least) = (&self.table.shapes, f64::INFINITY);
+        let (Table { shapes, counts, .. }, mut least) = (&self.table, f64::INFINITY);
         for batch in &mut self.batches {
             let nodes = &batch.nodes;
-            let at = |q: usize, lane: usize| (0..A).map(|a| shapes[q][a] * factor(nodes[a][lane])).sum::<f64>();
-            batch.growth = (0..Q).map(|q| Lanes(std::array::from_fn(|lane| at(q, lane)))).collect();
+            let at = |q: usize, lane: usize| (0..counts.nodes()).map(|a| shapes[q][a] * factor(nodes[a][lane])).sum::<f64>();
+            batch.growth = (0..counts.points()).map(|q| Lanes(std::array::from_fn(|lane| at(q, lane)))).collect();
             least = batch.growth.iter().flat_map(|factors| factors.0).fold(least, f64::min);
         }
         least
@@ -275,11 +317,9 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
             let volumes = self.deform(batch, None).weighed;
             for lane in 0..batch.count {
                 let nodes = self.nodes(index, lane);
-                for a in 0..many::<A>() {
-                    for b in 0..many::<A>() {
-                        let product = self.mass_product(batch, &volumes, lane, [a, b]);
-                        mass.add(nodes[a], nodes[b], self.physics.density * product);
-                    }
+                let pairs = nodes.iter().flat_map(|&a| nodes.iter().map(move |&b| (a, b)));
+                for ((a, b), product) in pairs.zip(self.mass_products(batch, &volumes, lane)) {
+                    mass.add(a, b, self.physics.density * product);
                 }
             }
         }
@@ -350,10 +390,10 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
                 sum += special.energy(&points, &self.history_of(index, history)).0[..batch.count].iter().sum::<f64>();
                 continue;
             }
-            let mut energy = [Lanes::ZERO; Q];
-            self.physics.law.energies_into(&strain, &mut energy);
+            let (mut energy, points) = ([Lanes::ZERO; Q], self.table.counts.points());
+            self.physics.law.energies_into(&strain[..points], &mut energy[..points]);
             for lane in 0..batch.count {
-                sum += (0..Q).map(|q| volumes[q].0[lane] * energy[q].0[lane]).sum::<f64>();
+                sum += (0..points).map(|q| volumes[q].0[lane] * energy[q].0[lane]).sum::<f64>();
             }
         }
         sum

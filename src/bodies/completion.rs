@@ -1,7 +1,9 @@
 //! Contributions of a special stress that the common element loop lacks: hoop forces of bodies of revolution, and the derivatives of the
 //! pressures of a cell dilatation. Formulas: `special.rs`.
 
-use super::batch::{MOST_POINTS, Table, cast, many};
+use std::iter;
+
+use super::batch::{MOST_POINTS, Table, cast};
 use super::dilatation::{MOST_MODES, Modes};
 use super::special::{Answer, SpecialPoints};
 use super::sums::{add_force, finish_force};
@@ -34,23 +36,25 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
         is_axisymmetric: bool,
         share: AddedForce,
     ) {
+        let is_axisymmetric = D == 2 && is_axisymmetric;
         let Placement { test, trial, .. } = share.derivative.placement();
         let stretch = |q: usize, at: Configuration| match at {
             Configuration::Middle => self.frame_around((points.hoop[0][q] + points.hoop[1][q]) * 0.5),
             Configuration::End => self.frame_around(points.hoop[1][q]),
         };
         let (mut around, mut at_end) = ([[Lanes::<FMA>::ZERO; 2]; Q], [[Lanes::<FMA>::ZERO; 2]; Q]);
-        for q in 0..many::<Q>() {
+        for q in 0..self.counts.points() {
             if is_axisymmetric {
                 around[q] = [stretch(q, test), stretch(q, trial)];
                 at_end[q] = [around[q][0], stretch(q, Configuration::End)];
             }
         }
         if is_axisymmetric {
-            self.add_around(&answer.responses, table, &around, (share, trial));
-        }
-        if let Some(rates) = answer.rates.as_ref().filter(|_| is_axisymmetric && share.with_tangent) {
-            self.add_around(rates, table, &at_end, (AddedForce { geometric: 0.0, ..share }, Configuration::End));
+            let rates = answer.rates.as_ref().filter(|_| share.with_tangent);
+            let of_rates = rates.map(|rates| (&**rates, &at_end, (AddedForce { geometric: 0.0, ..share }, Configuration::End)));
+            for (responses, around, share) in iter::once((&answer.responses, &around, (share, trial))).chain(of_rates) {
+                self.add_around(responses, table, around, share);
+            }
         }
         if share.with_tangent
             && let Some((modes, slopes)) = &answer.dilatation
@@ -69,19 +73,20 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
         (share, trial): (AddedForce, Configuration),
     ) {
         let Placement { test, .. } = share.derivative.placement();
-        for q in 0..many::<Q>() {
+        let count = self.counts.nodes();
+        for q in 0..self.counts.points() {
             let (response, [around_test, around_trial]) = (&responses[q], around[q]);
             let (volume, curvature) = (self.points[q].volume * share.weight, self.points[q].curvature);
             let stress = cast::<FMA>(response.stress[2]);
             let pull = stress * around_test * volume * curvature;
-            for a in 0..many::<A>() {
+            for a in 0..count {
                 self.force[a][0] = pull.mul_add(Lanes::splat(table.shapes[q][a]), self.force[a][0]);
             }
             if !share.with_tangent {
                 continue;
             }
             let mut gradients = self.points[q].gradients;
-            finish_force(&mut gradients);
+            finish_force(count, &mut gradients);
             let (f_test, f_trial) = (self.deformation_gradient(q, test), self.deformation_gradient(q, trial));
             // Derivatives of the stress in the plane with respect to the hoop stretch, and of the hoop stress with respect to the strain in
             // the plane.
@@ -96,8 +101,8 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
                 }
             }
             let stiffness = (around_test * cast(response.tangent[2][2]) * around_trial + stress * share.geometric) * volume;
-            for a in 0..many::<A>() {
-                for b in 0..many::<A>() {
+            for a in 0..count {
+                for b in 0..count {
                     let (near_a, near_b) = (curvature * table.shapes[q][a], curvature * table.shapes[q][b]);
                     for i in 0..D {
                         let (mut down, mut across) = (Lanes::<FMA>::ZERO, Lanes::<FMA>::ZERO);
@@ -125,37 +130,38 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
         (modes, slopes): (&Modes, &[[Lanes<false>; MOST_MODES]; MOST_MODES]),
     ) {
         let Placement { test, trial, .. } = share.derivative.placement();
+        let count = self.counts.nodes();
         // Factors of this low-rank derivative: forces on the test side, derivatives of the dilatation on the trial side.
         let mut sides = [[[[Lanes::ZERO; D]; A]; MOST_MODES]; 2];
         for (side, (at, factor)) in [(test, share.weight), (trial, 1.0)].into_iter().enumerate() {
             for i in 0..modes.count {
                 let sums = &mut sides[side][i];
-                for q in 0..many::<Q>() {
+                for q in 0..self.counts.points() {
                     let mut ratio = [Lanes::<FMA>::ZERO; S];
                     for k in 0..S {
                         ratio[k] = cast(answer.ratios[q][side][mandel_place::<S>(k)]);
                     }
                     let volume = self.points[q].volume * cast::<FMA>(modes.values[i][q]) * factor;
-                    add_force(&self.points[q].gradients, &self.deformation_gradient(q, at), &ratio, volume, sums);
+                    add_force(count, &self.points[q].gradients, &self.deformation_gradient(q, at), &ratio, volume, sums);
                 }
-                finish_force(sums);
-                for q in 0..many::<Q>() {
+                finish_force(count, sums);
+                for q in 0..self.counts.points() {
                     let volume = self.points[q].volume * cast::<FMA>(modes.values[i][q]) * factor;
                     let pull = cast::<FMA>(answer.ratios[q][side][2]) * around[q][side] * self.points[q].curvature * volume;
-                    for a in 0..many::<A>() {
+                    for a in 0..count {
                         sums[a][0] = pull.mul_add(Lanes::splat(table.shapes[q][a]), sums[a][0]);
                     }
                 }
             }
         }
         for i in 0..modes.count {
-            for b in 0..many::<A>() {
+            for b in 0..count {
                 for k in 0..D {
                     let mut right = Lanes::<FMA>::ZERO;
                     for j in 0..modes.count {
                         right = cast::<FMA>(slopes[i][j]).mul_add(sides[1][j][b][k], right);
                     }
-                    for a in 0..many::<A>() {
+                    for a in 0..count {
                         for l in 0..D {
                             self.tangent[b][k][a][l] = sides[0][i][a][l].mul_add(right, self.tangent[b][k][a][l]);
                         }

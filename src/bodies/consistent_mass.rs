@@ -4,7 +4,7 @@
 //! around an axis of revolution it is inexact: with eight `tet10` facets around a circle, the kinetic energy had an error of 1 %. Such
 //! cells store `int N_a N_b det J` by an exact quadrature, one number for each pair of nodes.
 
-use super::batch::{Batch, Point, Table, many};
+use super::batch::{Batch, Point, Table, filled};
 use crate::elements::{CellShape, ReferenceCell};
 use crate::math::lanes::{Lanes, Real, WIDTH};
 
@@ -31,24 +31,26 @@ fn place(a: usize, b: usize) -> usize {
 
 impl<const D: usize, const A: usize> MassRule<D, A> {
     /// Mass quadrature of a cell kind.
-    pub(super) fn new<C: ReferenceCell<D, A, Q>, const Q: usize>(shape: CellShape) -> Self {
+    pub(super) fn new<C: ReferenceCell<D, N, P>, const N: usize, const P: usize>(shape: CellShape) -> Self {
         let at = |(xi, weight): ([f64; 3], f64)| {
             let xi: [f64; D] = std::array::from_fn(|i| xi[i]);
-            MassPoint { shapes: C::shape(xi), gradients: C::gradients(xi), weight }
+            MassPoint { shapes: filled(C::shape(xi), 0.0), gradients: filled(C::gradients(xi), [0.0; D]), weight }
         };
         MassRule { points: shape.mass_points().into_iter().map(at).collect() }
     }
 
     /// Integrals of the products of two shape functions over the cells of a batch; over the circumference if `is_section`.
-    fn products(&self, batch: &Batch<D, A>, is_section: bool, products: &mut Vec<Lanes<false>>) {
+    fn products(&self, batch: &Batch<D>, is_section: bool, products: &mut Vec<Lanes<false>>) {
+        let last = batch.nodes.len() - 1;
         products.clear();
-        products.resize(place(A - 1, A - 1) + 1, Lanes::ZERO);
+        products.resize(place(last, last) + 1, Lanes::ZERO);
         for MassPoint { shapes, gradients, weight } in &self.points {
-            let mut point = Point::<false, D, A>::new(&batch.edges, gradients, *weight);
+            let mut point = Point::<false, D, A>::ZERO;
+            point.set(&batch.edges, gradients, *weight);
             if is_section {
-                point.revolve(batch, shapes);
+                point.revolve(batch.last, &batch.edges, shapes);
             }
-            for a in 0..many::<A>() {
+            for a in 0..=last {
                 let share = point.weighed * shapes[a];
                 for b in 0..=a {
                     let product = &mut products[place(a, b)];
@@ -59,10 +61,10 @@ impl<const D: usize, const A: usize> MassRule<D, A> {
     }
 }
 
-impl<const D: usize, const A: usize> Batch<D, A> {
+impl<const D: usize> Batch<D> {
     /// Stores the integrals of products of shape functions if the stiffness quadrature with these volumes is inexact; `exact` is a buffer
     /// shared by all batches.
-    pub(super) fn keep_mass<const Q: usize>(
+    pub(super) fn keep_mass<const A: usize, const Q: usize>(
         &mut self,
         rule: &MassRule<D, A>,
         table: &Table<D, A, Q>,
@@ -73,7 +75,7 @@ impl<const D: usize, const A: usize> Batch<D, A> {
         rule.products(self, is_section, exact);
         let is_off = |lane: usize| {
             let largest = exact.iter().map(|product| product.0[lane].abs()).fold(0.0, f64::max);
-            (0..A).any(|a| {
+            (0..table.counts.nodes()).any(|a| {
                 (0..=a).any(|b| (exact[place(a, b)].0[lane] - summed(table, volumes, lane, [a, b])).abs() > MASS_PRODUCT * largest)
             })
         };
@@ -94,5 +96,5 @@ pub(super) fn summed<const D: usize, const A: usize, const Q: usize>(
     lane: usize,
     [a, b]: [usize; 2],
 ) -> f64 {
-    (0..Q).map(|q| volumes[q].0[lane] * table.products[q][a][b]).sum()
+    (0..table.counts.points()).map(|q| volumes[q].0[lane] * table.products[q][a][b]).sum()
 }

@@ -32,14 +32,14 @@ struct Chosen<'a, const D: usize> {
 }
 
 impl<const D: usize> Chosen<'_, D> {
-    /// Adds the loop over a block of cells.
-    fn add<C: ReferenceCell<D, A, Q>, const S: usize, const L: usize, const A: usize, const Q: usize>(
+    /// Adds the loop over a block of cells with `N` nodes and `P` points, which is compiled for at most `A` nodes and `Q` points.
+    fn add<C: ReferenceCell<D, N, P>, const A: usize, const Q: usize, const S: usize, const L: usize, const N: usize, const P: usize>(
         &mut self,
         (first, block): (usize, &Block),
         physics: Physics<S, L>,
     ) -> Result<(), Inverted> {
         let &BodyCells { mesh, first_node, .. } = self.body;
-        let cells = Cells::<D, S, L, A, Q>::new::<C>(mesh, block, physics, first_node, &mut self.touched);
+        let cells = Cells::<D, S, L, A, Q>::new::<C, N, P>(mesh, block, physics, first_node, &mut self.touched);
         let cells = cells.map_err(|inverted| Inverted { cell: first + inverted.cell, ..inverted })?;
         self.loops.push(Box::new(cells));
         Ok(())
@@ -60,11 +60,11 @@ impl Elements<2> for Space<2> {
         for block in body.mesh.numbered_blocks() {
             let physics = Physics::of_plane(body);
             match block.1.kind {
-                CellKind::Tri3 => chosen.add::<Tri3, 3, 4, 3, 1>(block, physics),
-                CellKind::Quad4 => chosen.add::<Quad4, 3, 4, 4, 4>(block, physics),
-                CellKind::Tri6 => chosen.add::<Tri6, 3, 4, 6, 3>(block, physics),
-                CellKind::Quad8 => chosen.add::<Quad8, 3, 4, 8, 9>(block, physics),
-                CellKind::Quad9 => chosen.add::<Quad9, 3, 4, 9, 9>(block, physics),
+                CellKind::Tri3 => chosen.add::<Tri3, 3, 1, _, _, _, _>(block, physics),
+                CellKind::Quad4 => chosen.add::<Quad4, 4, 4, _, _, _, _>(block, physics),
+                CellKind::Tri6 => chosen.add::<Tri6, 9, 9, _, _, _, _>(block, physics),
+                CellKind::Quad8 => chosen.add::<Quad8, 9, 9, _, _, _, _>(block, physics),
+                CellKind::Quad9 => chosen.add::<Quad9, 9, 9, _, _, _, _>(block, physics),
                 _ => unreachable!("a model has bodies of one dimension"),
             }?;
         }
@@ -78,15 +78,15 @@ impl Elements<3> for Space<3> {
         for block in body.mesh.numbered_blocks() {
             let physics = Physics::of_space(body);
             match block.1.kind {
-                CellKind::Tet4 => chosen.add::<Tet4, 6, 6, 4, 1>(block, physics),
-                CellKind::Hex8 => chosen.add::<Hex8, 6, 6, 8, 8>(block, physics),
-                CellKind::Tet10 => chosen.add::<Tet10, 6, 6, 10, 4>(block, physics),
-                CellKind::Hex20 => chosen.add::<Hex20, 6, 6, 20, 27>(block, physics),
-                CellKind::Hex27 => chosen.add::<Hex27, 6, 6, 27, 27>(block, physics),
-                CellKind::Wedge6 => chosen.add::<Wedge6, 6, 6, 6, 6>(block, physics),
-                CellKind::Wedge15 => chosen.add::<Wedge15, 6, 6, 15, 9>(block, physics),
-                CellKind::Pyr5 => chosen.add::<Pyr5, 6, 6, 5, 8>(block, physics),
-                CellKind::Pyr13 => chosen.add::<Pyr13, 6, 6, 13, 27>(block, physics),
+                CellKind::Tet4 => chosen.add::<Tet4, 4, 1, _, _, _, _>(block, physics),
+                CellKind::Hex8 => chosen.add::<Hex8, 8, 8, _, _, _, _>(block, physics),
+                CellKind::Tet10 => chosen.add::<Tet10, 10, 4, _, _, _, _>(block, physics),
+                CellKind::Hex20 => chosen.add::<Hex20, 27, 27, _, _, _, _>(block, physics),
+                CellKind::Hex27 => chosen.add::<Hex27, 27, 27, _, _, _, _>(block, physics),
+                CellKind::Wedge6 => chosen.add::<Wedge6, 8, 8, _, _, _, _>(block, physics),
+                CellKind::Wedge15 => chosen.add::<Wedge15, 27, 27, _, _, _, _>(block, physics),
+                CellKind::Pyr5 => chosen.add::<Pyr5, 8, 8, _, _, _, _>(block, physics),
+                CellKind::Pyr13 => chosen.add::<Pyr13, 27, 27, _, _, _, _>(block, physics),
                 _ => unreachable!("a model has bodies of one dimension"),
             }?;
         }

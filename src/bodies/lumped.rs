@@ -14,7 +14,7 @@ use crate::math::lanes::WIDTH;
 const LEAST_ROW_SUM: f64 = 1.0 / 5000.0;
 
 /// Masses of the nodes of eight cells.
-type NodalMasses<const A: usize> = [[f64; WIDTH]; A];
+type NodalMasses = Vec<[f64; WIDTH]>;
 
 impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: usize> Cells<D, S, L, A, Q> {
     /// True if the row sums of the mass of every cell are positive, beyond the effect of curved edges and round-off on a zero row sum.
@@ -35,15 +35,17 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
         }
     }
 
-    fn nodal_masses(&self, batch: &Batch<D, A>, by_row_sums: bool) -> NodalMasses<A> {
+    fn nodal_masses(&self, batch: &Batch<D>, by_row_sums: bool) -> NodalMasses {
         let volumes = self.deform(batch, None).weighed;
-        let mut masses = [[0.0; WIDTH]; A];
+        let count = batch.nodes.len();
+        let mut masses = vec![[0.0; WIDTH]; count];
         for lane in 0..WIDTH {
-            let entry = |a: usize, b: usize| self.mass_product(batch, &volumes, lane, [a, b]);
-            let whole: f64 = (0..A).flat_map(|a| (0..A).map(move |b| (a, b))).map(|(a, b)| entry(a, b)).sum();
-            let trace: f64 = (0..A).map(|a| entry(a, a)).sum();
+            let entries = self.mass_products(batch, &volumes, lane);
+            let whole: f64 = entries.iter().sum();
+            let trace: f64 = (0..count).map(|a| entries[a * count + a]).sum();
             for (a, mass) in masses.iter_mut().enumerate() {
-                let share = if by_row_sums { (0..A).map(|b| entry(a, b)).sum() } else { entry(a, a) * whole / trace };
+                let row = &entries[a * count..][..count];
+                let share = if by_row_sums { row.iter().sum() } else { row[a] * whole / trace };
                 mass[lane] = self.physics.density * share;
             }
         }
@@ -73,9 +75,9 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
             let (stiffness, masses) = (self.stiffness(index, u), self.nodal_masses(batch, by_row_sums));
             for lane in 0..batch.count {
                 let (mut squares, mut largest) = (0.0, 0.0f64);
-                for (a, i) in (0..A).flat_map(|a| (0..D).map(move |i| (a, i))) {
+                for (a, i) in (0..masses.len()).flat_map(|a| (0..D).map(move |i| (a, i))) {
                     let mut sum = 0.0;
-                    for (b, k) in (0..A).flat_map(|b| (0..D).map(move |k| (b, k))) {
+                    for (b, k) in (0..masses.len()).flat_map(|b| (0..D).map(move |k| (b, k))) {
                         let entry = stiffness[b][k][a][i].0[lane] / (masses[a][lane] * masses[b][lane]).sqrt();
                         squares += entry * entry;
                         sum += entry.abs();

@@ -81,6 +81,19 @@ pub(super) struct SpecialPoints<const D: usize> {
     pub(super) hoop: [[Lanes<false>; MOST_POINTS]; 2],
 }
 
+impl<const D: usize> SpecialPoints<D> {
+    /// Data of `count` points, all zero.
+    pub(super) fn new(count: usize) -> Self {
+        SpecialPoints {
+            count,
+            volume: [Lanes::ZERO; MOST_POINTS],
+            places: [[Lanes::ZERO; D]; MOST_POINTS],
+            gradients: [[[[Lanes::ZERO; D]; D]; MOST_POINTS]; 2],
+            hoop: [[Lanes::ZERO; MOST_POINTS]; 2],
+        }
+    }
+}
+
 /// Stresses of a step with their derivatives by the strains at the end, and data of a dilatation common to a cell.
 pub(super) struct Answer<const L: usize> {
     pub(super) responses: [Response<L>; MOST_POINTS],

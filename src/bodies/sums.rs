@@ -2,25 +2,25 @@
 //!
 //! The gradients of the shape functions sum to zero, so the last node is left out of sums and gets the negative sum of the others.
 
-use super::batch::many;
 use crate::math::lanes::{Lanes, Real};
 use crate::math::tensor::{mandel_index, mandel_scale};
 
 /// Sets the force of the last node to the negative sum of the forces of the other nodes.
 #[inline(always)]
-pub(super) fn finish_force<const FMA: bool, const D: usize, const A: usize>(force: &mut [[Lanes<FMA>; D]; A]) {
+pub(super) fn finish_force<const FMA: bool, const D: usize, const A: usize>(count: usize, force: &mut [[Lanes<FMA>; D]; A]) {
     for i in 0..D {
         let mut last = Lanes::ZERO;
-        for a in 0..many::<A>() - 1 {
+        for a in 0..count - 1 {
             last = last - force[a][i];
         }
-        force[A - 1][i] = last;
+        force[count - 1][i] = last;
     }
 }
 
 /// Adds the force of a point, the last node left out: `f_a = P G_a` with the first Piola stress `P = w F_test S`.
 #[inline(always)]
 pub(super) fn add_force<const FMA: bool, const D: usize, const S: usize, const A: usize>(
+    count: usize,
     gradients: &[[Lanes<FMA>; D]; A],
     test: &[[Lanes<FMA>; D]; D],
     stress: &[Lanes<FMA>; S],
@@ -36,7 +36,7 @@ pub(super) fn add_force<const FMA: bool, const D: usize, const S: usize, const A
             }
         }
     }
-    for a in 0..many::<A>() - 1 {
+    for a in 0..count - 1 {
         for i in 0..D {
             for j in 0..D {
                 force[a][i] = piola[i][j].mul_add(gradients[a][j], force[a][i]);
@@ -50,6 +50,7 @@ pub(super) fn add_force<const FMA: bool, const D: usize, const S: usize, const A
 #[inline(always)]
 #[expect(clippy::too_many_arguments, reason = "the names of the formula")]
 pub(super) fn add_point<const FMA: bool, const D: usize, const S: usize, const A: usize>(
+    count: usize,
     gradients: &[[Lanes<FMA>; D]; A],
     test: &[[Lanes<FMA>; D]; D],
     trial: &[[Lanes<FMA>; D]; D],
@@ -60,7 +61,7 @@ pub(super) fn add_point<const FMA: bool, const D: usize, const S: usize, const A
     force: &mut [[Lanes<FMA>; D]; A],
     blocks: &mut [[[[Lanes<FMA>; D]; A]; D]; A],
 ) {
-    add_force(gradients, test, stress, weight, force);
+    add_force(count, gradients, test, stress, weight, force);
     // half[iJ][s] = w (F_test)_iM T_MJ,s
     let mut half = [[[Lanes::<FMA>::ZERO; S]; D]; D];
     for i in 0..D {
@@ -93,7 +94,7 @@ pub(super) fn add_point<const FMA: bool, const D: usize, const S: usize, const A
             }
         }
     }
-    for a in 0..many::<A>() - 1 {
+    for a in 0..count - 1 {
         for i in 0..D {
             let mut row = [[Lanes::<FMA>::ZERO; D]; D];
             for j in 0..D {
@@ -103,7 +104,7 @@ pub(super) fn add_point<const FMA: bool, const D: usize, const S: usize, const A
                     }
                 }
             }
-            for b in 0..many::<A>() - 1 {
+            for b in 0..count - 1 {
                 for k in 0..D {
                     for l in 0..D {
                         blocks[b][k][a][i] = row[k][l].mul_add(gradients[b][l], blocks[b][k][a][i]);

@@ -1,7 +1,7 @@
 //! Force and tangent of eight cells, from their displacement gradients and the responses of the law.
 
 use super::batch::{
-    Batch, MOST_POINTS, Point, Strain, Table, cast, deformation_gradient, determinant_and_cofactor, discrete_stress, many, mean,
+    Batch, Counts, MOST_POINTS, Point, Strain, Table, cast, deformation_gradient, determinant_and_cofactor, discrete_stress, mean,
 };
 use super::special::{Answer, SpecialPoints};
 use super::sums::{add_force, add_point, finish_force};
@@ -13,6 +13,7 @@ use crate::math::tensor::mandel_place;
 /// Work data of a batch: strains and responses of the law at its points, force and tangent.
 pub(super) struct Workspace<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: usize> {
     strain: Strain,
+    pub(super) counts: Counts<A, Q>,
     pub(super) points: [Point<FMA, D, A>; Q],
     /// Displacement gradients at the start and at the end of the step.
     pub(super) gradient_0: [[[Lanes<FMA>; D]; D]; Q],
@@ -31,9 +32,10 @@ pub(super) struct Workspace<const FMA: bool, const D: usize, const S: usize, con
 
 impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: usize> Workspace<FMA, D, S, A, Q> {
     #[inline(always)]
-    pub(super) fn new(strain: Strain) -> Self {
+    pub(super) fn new(strain: Strain, counts: Counts<A, Q>) -> Self {
         Workspace {
             strain,
+            counts,
             points: [Point::ZERO; Q],
             gradient_0: [[[Lanes::ZERO; D]; D]; Q],
             gradient_1: [[[Lanes::ZERO; D]; D]; Q],
@@ -47,57 +49,22 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
         }
     }
 
-    /// Sets the quadrature points of a batch, without swelling.
-    #[inline(always)]
-    pub(super) fn set_points(&mut self, batch: &Batch<D, A>, table: &Table<D, A, Q>) {
-        for q in 0..many::<Q>() {
-            self.points[q] = Point::new(&batch.edges, &table.gradients[q], table.weights[q]);
-        }
-    }
-
-    /// Converts volumes to those of the whole circumference of a body of revolution.
-    #[inline(always)]
-    pub(super) fn revolve(&mut self, batch: &Batch<D, A>, table: &Table<D, A, Q>) {
-        for q in 0..many::<Q>() {
-            self.points[q].revolve(batch, &table.shapes[q]);
-        }
-    }
-
-    /// Scales the stress-free lengths of the points of swollen cells.
-    #[inline(always)]
-    pub(super) fn grow(&mut self, batch: &Batch<D, A>, directions: usize) {
-        for (point, factor) in self.points.iter_mut().zip(&batch.growth) {
-            point.grow(cast::<FMA>(*factor), directions);
-        }
-    }
-
     /// Returns the point data of the batch for a special stress. `around`: displacements at start and end, for hoop displacement gradients.
     #[inline(always)]
-    pub(super) fn special_points(&self, batch: &Batch<D, A>, table: &Table<D, A, Q>, around: [Option<&[f64]>; 2]) -> SpecialPoints<D> {
-        let mut points = SpecialPoints {
-            count: Q,
-            volume: [Lanes::ZERO; MOST_POINTS],
-            places: [[Lanes::ZERO; D]; MOST_POINTS],
-            gradients: [[[[Lanes::ZERO; D]; D]; MOST_POINTS]; 2],
-            hoop: [[Lanes::ZERO; MOST_POINTS]; 2],
-        };
-        for q in 0..many::<Q>() {
+    pub(super) fn special_points(&self, batch: &Batch<D>, table: &Table<D, A, Q>, around: [Option<&[f64]>; 2]) -> SpecialPoints<D> {
+        let count = self.counts.nodes();
+        let mut points = SpecialPoints::new(self.counts.points());
+        for q in 0..points.count {
             points.volume[q] = Lanes(self.points[q].volume.0);
-            for a in 0..many::<A>() - 1 {
-                let shape = table.shapes[q][a];
-                (0..D).for_each(|i| points.places[q][i] = points.places[q][i] + batch.edges[a][i] * shape);
-            }
+            points.places[q] = table.place(batch, q);
             points.gradients[0][q] = relabel_rows(&self.gradient_0[q]);
             points.gradients[1][q] = relabel_rows(&self.gradient_1[q]);
         }
         for (time, all) in around.into_iter().enumerate() {
             let Some(all) = all else { continue };
-            let u = batch.displacements::<FMA>(all);
-            for q in 0..many::<Q>() {
-                points.hoop[time][q] = Lanes(self.points[q].hoop(&u, &table.shapes[q]).0);
-                if !batch.growth.is_empty() {
-                    points.hoop[time][q] = points.hoop[time][q] + Lanes(self.points[q].slack.0);
-                }
+            let u = batch.displacements::<FMA, A>(count, all);
+            for q in 0..points.count {
+                points.hoop[time][q] = Lanes(self.points[q].hoop(count, &u, &table.shapes[q]).0);
             }
         }
         points
@@ -107,51 +74,38 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
     #[inline(always)]
     pub(super) fn take<const L: usize>(&mut self, answer: &Answer<L>) {
         self.is_final = true;
-        for q in 0..many::<Q>() {
+        for q in 0..self.counts.points() {
             self.responses[q] = in_components(&answer.responses[q]);
         }
     }
 
     /// Sets displacement gradients and strains at the end of the step.
     #[inline(always)]
-    pub(super) fn set_end(&mut self, batch: &Batch<D, A>, u_1: &[f64]) {
-        let u = batch.displacements(u_1);
-        for q in 0..many::<Q>() {
-            self.gradient_1[q] = self.points[q].displacement_gradient(&u);
+    pub(super) fn set_end(&mut self, batch: &Batch<D>, u_1: &[f64]) {
+        let count = self.counts.nodes();
+        let u = batch.displacements(count, u_1);
+        for q in 0..self.counts.points() {
+            self.gradient_1[q] = self.points[q].displacement_gradient(count, &u);
             self.strain_1[q] = self.strain.of(&self.gradient_1[q], Lanes::ZERO);
         }
     }
 
     /// Sets displacement gradients and strains at the start of the step.
     #[inline(always)]
-    pub(super) fn set_start(&mut self, batch: &Batch<D, A>, u_0: &[f64]) {
-        let u = batch.displacements(u_0);
-        for q in 0..many::<Q>() {
-            self.gradient_0[q] = self.points[q].displacement_gradient(&u);
+    pub(super) fn set_start(&mut self, batch: &Batch<D>, u_0: &[f64]) {
+        let count = self.counts.nodes();
+        let u = batch.displacements(count, u_0);
+        for q in 0..self.counts.points() {
+            self.gradient_0[q] = self.points[q].displacement_gradient(count, &u);
             self.strain_0[q] = self.strain.of(&self.gradient_0[q], Lanes::ZERO);
         }
-    }
-
-    /// Smallest determinant of the deformation gradient at the end of the step; NaN if any is NaN.
-    #[inline(always)]
-    pub(super) fn smallest_determinants(&self) -> Lanes<FMA> {
-        let mut smallest = Lanes::splat(f64::INFINITY);
-        for h in &self.gradient_1 {
-            let determinant = determinant_and_cofactor(&deformation_gradient(h)).0;
-            for lane in 0..WIDTH {
-                // A NaN determinant replaces the minimum, so that the result is NaN.
-                let keep = smallest.0[lane] < determinant.0[lane] || smallest.0[lane].is_nan();
-                smallest.0[lane] = if keep { smallest.0[lane] } else { determinant.0[lane] };
-            }
-        }
-        smallest
     }
 
     /// True if at least one cell is inverted at the end of the step.
     #[inline(always)]
     pub(super) fn is_inside_out(&self) -> bool {
         let mut sound = true;
-        for h in &self.gradient_1 {
+        for h in &self.gradient_1[..self.counts.points()] {
             let determinant = determinant_and_cofactor(&deformation_gradient(h)).0;
             for lane in 0..WIDTH {
                 sound &= determinant.0[lane] > 0.0;
@@ -163,16 +117,18 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
     /// Evaluates stresses and derivatives for the step's algorithmic gradient, between [`Self::set_end`] and [`Self::integrate`].
     #[inline(always)]
     pub(super) fn respond(&mut self, law: &dyn BatchedLaw<S>, derivative: Derivative) {
+        let count = self.counts.points();
+        let (end, responses) = (&self.strain_1[..count], &mut self.responses[..count]);
         match derivative {
-            Derivative::DiscreteGradient => law.increments_into(&self.strain_0, &self.strain_1, &mut self.increments),
+            Derivative::DiscreteGradient => law.increments_into(&self.strain_0[..count], end, &mut self.increments[..count]),
             Derivative::Gradient(Configuration::Middle) => {
                 let mut strain = [[Lanes::ZERO; S]; Q];
-                for q in 0..many::<Q>() {
+                for q in 0..self.counts.points() {
                     strain[q] = self.strain.of(&mean(&self.gradient_0[q], &self.gradient_1[q]), Lanes::ZERO);
                 }
-                law.responses_into(&strain, &mut self.responses);
+                law.responses_into(&strain[..count], responses);
             }
-            Derivative::Gradient(Configuration::End) => law.responses_into(&self.strain_1, &mut self.responses),
+            Derivative::Gradient(Configuration::End) => law.responses_into(end, responses),
         }
     }
 
@@ -217,13 +173,14 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
     #[inline(always)]
     pub(super) fn integrate_force(&mut self, derivative: Derivative, weight: f64) {
         let Placement { test, .. } = derivative.placement();
-        self.force = [[Lanes::ZERO; D]; A];
-        for q in 0..many::<Q>() {
+        let count = self.counts.nodes();
+        self.force[..count].fill([Lanes::ZERO; D]);
+        for q in 0..self.counts.points() {
             let (stress, _) = self.stress_and_tangent(q, derivative);
             let test = self.deformation_gradient(q, test);
-            add_force(&self.points[q].gradients, &test, &stress, self.points[q].volume * weight, &mut self.force);
+            add_force(count, &self.points[q].gradients, &test, &stress, self.points[q].volume * weight, &mut self.force);
         }
-        finish_force(&mut self.force);
+        finish_force(count, &mut self.force);
     }
 
     /// Sums weighted force and tangent over the points. `geometric` is the factor of the geometric stiffness; `rates`, the derivatives with
@@ -238,8 +195,9 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
     ) {
         let Placement { test, trial, share } = derivative.placement();
         let share = geometric * self.geometric_share(share);
+        let count = self.counts.nodes();
         self.clear();
-        for q in 0..many::<Q>() {
+        for q in 0..self.counts.points() {
             let test = self.deformation_gradient(q, test);
             for pass in 0..=usize::from(rates.is_some()) {
                 let (trial, share, (stress, tangent)) = match rates.filter(|_| pass == 1) {
@@ -251,7 +209,7 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
                 };
                 let trial = self.deformation_gradient(q, trial);
                 let Point { gradients, volume, .. } = &self.points[q];
-                add_point(gradients, &test, &trial, &stress, &tangent, *volume * weight, share, &mut self.force, &mut self.tangent);
+                add_point(count, gradients, &test, &trial, &stress, &tangent, *volume * weight, share, &mut self.force, &mut self.tangent);
             }
         }
         self.finish();
@@ -260,29 +218,31 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
     /// Zeroes force and tangent.
     #[inline(always)]
     fn clear(&mut self) {
-        self.force = [[Lanes::ZERO; D]; A];
-        self.tangent = [[[[Lanes::ZERO; D]; A]; D]; A];
+        let count = self.counts.nodes();
+        self.force[..count].fill([Lanes::ZERO; D]);
+        self.tangent[..count].iter_mut().flatten().for_each(|column| column[..count].fill([Lanes::ZERO; D]));
     }
 
     /// Sets force and tangent of the last node to the negative sums of the others.
     #[inline(always)]
     fn finish(&mut self) {
-        finish_force(&mut self.force);
+        let count = self.counts.nodes();
+        finish_force(count, &mut self.force);
         for k in 0..D {
             for i in 0..D {
-                for b in 0..many::<A>() - 1 {
+                for b in 0..count - 1 {
                     let mut last = Lanes::ZERO;
-                    for a in 0..many::<A>() - 1 {
+                    for a in 0..count - 1 {
                         last = last - self.tangent[b][k][a][i];
                     }
-                    self.tangent[b][k][A - 1][i] = last;
+                    self.tangent[b][k][count - 1][i] = last;
                 }
-                for a in 0..many::<A>() {
+                for a in 0..count {
                     let mut last = Lanes::ZERO;
-                    for b in 0..many::<A>() - 1 {
+                    for b in 0..count - 1 {
                         last = last - self.tangent[b][k][a][i];
                     }
-                    self.tangent[A - 1][k][a][i] = last;
+                    self.tangent[count - 1][k][a][i] = last;
                 }
             }
         }
@@ -290,14 +250,14 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
 
     /// Adds `factor` times the consistent mass to the tangent.
     #[inline(always)]
-    pub(super) fn add_mass(&mut self, batch: &Batch<D, A>, table: &Table<D, A, Q>, factor: f64) {
-        for a in 0..many::<A>() {
+    pub(super) fn add_mass(&mut self, batch: &Batch<D>, table: &Table<D, A, Q>, factor: f64) {
+        for a in 0..self.counts.nodes() {
             for b in 0..=a {
                 let mut mass = Lanes::<FMA>::ZERO;
                 if let Some(product) = batch.kept_mass(a, b) {
                     mass = cast::<FMA>(product) * factor;
                 } else {
-                    for q in 0..many::<Q>() {
+                    for q in 0..self.counts.points() {
                         mass = self.points[q].weighed.mul_add(Lanes::splat(factor * table.products[q][a][b]), mass);
                     }
                 }

@@ -105,22 +105,15 @@ impl PlasticLaw {
         [self.elastic(&before), self.elastic(&plus(&step.flow.strain, Lanes::splat(-1.0), &step.strains[1]))]
     }
 
-    /// Stress of the kind `at.stress`, and its derivative with respect to the strain at the end.
+    /// Stress of a step of the kind `of`, and its derivative with respect to the strain at the end.
     #[inline(always)]
-    fn respond<const FMA: bool, const S: usize>(&self, at: &StrainStep<S>, point: usize) -> Response<S> {
-        let history = at.history_of(point, variables::<S>(self.back_stresses()));
-        let (end, dt, rule) = match at.stress {
-            StressOf::Step => (&at.end[point], at.dt, Rule::Fitted),
-            StressOf::Middle => (&at.middle[point], 0.5 * at.dt, Rule::Fitted),
-            StressOf::End => (&at.end[point], at.dt, Rule::RadialReturn),
-        };
-        let step = self.step::<FMA, S>([&at.start[point], end], history, (dt, rule), true);
-        let [before, after] = self.stresses(&step);
-        let (stress, tangent) = if at.stress == StressOf::Step { self.of_step(&step, &before, &after) } else { self.at_end(&step, &after) };
+    fn respond<const FMA: bool, const S: usize>(&self, of: StressOf, step: &Step<FMA, S>) -> Response<S> {
+        let [before, after] = self.stresses(step);
+        let (stress, tangent) = if of == StressOf::Step { self.of_step(step, &before, &after) } else { self.at_end(step, &after) };
         let map = congruence::<FMA, S>(&step.kept.reference_map(&step.ends[1].directions));
         let (stress, mut tangent) = (applied(&map, &stress), product_with_transpose(&product(&map, &tangent), &map));
         // dS/dE = 2 dS/dC.
-        let factor = if at.stress == StressOf::Middle { 1.0 } else { 2.0 };
+        let factor = if of == StressOf::Middle { 1.0 } else { 2.0 };
         tangent.iter_mut().flatten().for_each(|entry| *entry = *entry * factor);
         Response { stress: relabel(&stress), tangent: relabel_rows(&tangent) }
     }
@@ -212,20 +205,22 @@ impl PlasticLaw {
 
     /// History variables after a step, and its heat.
     #[inline(always)]
-    fn advance<const FMA: bool, const S: usize>(&self, at: &StrainStep<S>, point: usize, after: &mut [Lanes<false>]) -> Lanes<false> {
-        let history = at.history_of(point, variables::<S>(self.back_stresses()));
-        let is_end = at.stress == StressOf::End;
-        let rule = if is_end { Rule::RadialReturn } else { Rule::Fitted };
-        let step = self.step::<FMA, S>([&at.start[point], &at.end[point]], history, (at.dt, rule), false);
-        let Step { kept, ends: [_, stretches], flow, .. } = &step;
+    fn advance<const FMA: bool, const S: usize>(
+        &self,
+        of: StressOf,
+        step: &Step<FMA, S>,
+        history: &[Lanes<false>],
+        after: &mut [Lanes<false>],
+    ) -> Lanes<false> {
+        let Step { kept, ends: [_, stretches], flow, .. } = step;
         if flow.multiplier.0.iter().all(|multiplier| *multiplier == 0.0) {
             after.copy_from_slice(history);
             return Lanes::ZERO;
         }
-        let [before, last] = self.stresses(&step);
+        let [before, last] = self.stresses(step);
         // Stress that does the plastic work: the mean of the stresses at the start and end of the flow or, with [`StressOf::End`], the
         // stress at the end.
-        let of_start = if is_end { 0.0 } else { 0.5 };
+        let of_start = if of == StressOf::End { 0.0 } else { 0.5 };
         let acting = plus(&before, Lanes::splat(of_start), &times(&last, Lanes::splat(1.0 - of_start)));
         let mut heat = dot(&acting, &flow.strain);
         for (k, constants) in self.constants.back_stresses.iter().enumerate() {
@@ -297,28 +292,43 @@ fn by_square<const FMA: bool, const S: usize>(slopes: &[[Lanes<FMA>; S]; S], squ
     result
 }
 
-struct Respond<'a, 'b, const S: usize>(&'a PlasticLaw, &'a StrainStep<'b, S>, &'a mut [Response<S>]);
-struct Advance<'a, 'b, const S: usize>(&'a PlasticLaw, &'a StrainStep<'b, S>, &'a mut [Lanes<false>], &'a mut [Heat]);
+/// Results of the steps of all points. One kernel computes both, because strains and flow are most of what is compiled.
+enum Results<'a, const S: usize> {
+    /// Stresses with their derivatives.
+    Responses(&'a mut [Response<S>]),
+    /// History variables after the steps, and heat.
+    After(&'a mut [Lanes<false>], &'a mut [Heat]),
+}
+
+struct Steps<'a, 'b, const S: usize>(&'a PlasticLaw, &'a StrainStep<'b, S>, Results<'a, S>);
 struct Energies<'a, const S: usize>(&'a PlasticLaw, &'a [Components<S>], &'a [Lanes<false>], &'a mut [Lanes<false>]);
 struct Stresses<'a, const S: usize>(&'a PlasticLaw, &'a [Components<S>], &'a [Lanes<false>], &'a mut [Components<S>]);
 
-impl<const S: usize> Kernel for Respond<'_, '_, S> {
+impl<const S: usize> Kernel for Steps<'_, '_, S> {
     type Output = ();
     #[inline(always)]
     fn run<const FMA: bool>(self) {
-        for (point, response) in self.2.iter_mut().enumerate() {
-            *response = self.0.respond::<FMA, S>(self.1, point);
-        }
-    }
-}
-
-impl<const S: usize> Kernel for Advance<'_, '_, S> {
-    type Output = ();
-    #[inline(always)]
-    fn run<const FMA: bool>(self) {
-        let Advance(law, step, after, heat) = self;
-        for ((point, after), heat) in after.chunks_exact_mut(variables::<S>(law.back_stresses())).enumerate().zip(heat) {
-            heat.plastic = law.advance::<FMA, S>(step, point, after);
+        let Steps(law, at, mut results) = self;
+        let variables = variables::<S>(law.back_stresses());
+        let (count, with_slopes) = match &results {
+            Results::Responses(responses) => (responses.len(), true),
+            Results::After(_, heat) => (heat.len(), false),
+        };
+        for point in 0..count {
+            let history = at.history_of(point, variables);
+            let (end, dt) = match at.stress {
+                StressOf::Middle if with_slopes => (&at.middle[point], 0.5 * at.dt),
+                _ => (&at.end[point], at.dt),
+            };
+            let rule = if at.stress == StressOf::End { Rule::RadialReturn } else { Rule::Fitted };
+            let step = law.step::<FMA, S>([&at.start[point], end], history, (dt, rule), with_slopes);
+            match &mut results {
+                Results::Responses(responses) => responses[point] = law.respond(at.stress, &step),
+                Results::After(after, heat) => {
+                    let after = &mut after[point * variables..][..variables];
+                    heat[point].plastic = law.advance(at.stress, &step, history, after);
+                }
+            }
         }
     }
 }
@@ -354,10 +364,10 @@ macro_rules! history_law {
                 variables::<$size>(self.back_stresses())
             }
             fn responses_into(&self, step: &StrainStep<$size>, responses: &mut [Response<$size>]) {
-                dispatch(Respond(self, step, responses));
+                dispatch(Steps(self, step, Results::Responses(responses)));
             }
             fn advance_into(&self, step: &StrainStep<$size>, after: &mut [Lanes<false>], heat: &mut [Heat]) {
-                dispatch(Advance(self, step, after, heat));
+                dispatch(Steps(self, step, Results::After(after, heat)));
             }
             fn energies_into(&self, strain: &[Components<$size>], history: &[Lanes<false>], energies: &mut [Lanes<false>]) {
                 dispatch(Energies(self, strain, history, energies));
