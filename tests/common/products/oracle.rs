@@ -83,8 +83,10 @@ impl History {
         let energy = largest(&["kinetic", "strain", "potential", "load_work", "contact_work", "friction_work", "dissipation"]);
         let momentum = largest(&["momentum_x", "momentum_y", "momentum_z"]).max((2.0 * 0.5 * energy).sqrt());
         let impulse = LOAD * largest(&["dt"]);
+        // Velocities are differences of positions, which are of order one as are the masses, divided by the step size.
+        let round_off = f64::EPSILON / largest(&["dt"]).max(1e-6);
         history.energy = energy.max(AT_REST);
-        history.momentum = momentum.max(impulse).max(AT_REST);
+        history.momentum = momentum.max(impulse).max(AT_REST).max(round_off / DEFECT);
         Ok(history)
     }
 }
