@@ -372,7 +372,7 @@ mod tests {
             count += 1;
             let (mut all, mut moving) = (CurveSlopes::empty(), Polygon::empty());
             all.set(&polygon, &places, &forms, &mut moving);
-            clip_again(&polygon, &places, &mut moving);
+            moving.set(polygon.corners, &carrying(&places));
             let carrying = std::array::from_fn(|side| {
                 std::array::from_fn(|j| std::array::from_fn(|i| OfCorners::unknown(places[side][j][i], Some(6 * side + 2 * j + i))))
             });

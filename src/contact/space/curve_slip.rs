@@ -20,9 +20,9 @@
 
 use super::clipping::area;
 use super::curve_integrals::{CUBIC, CurveSlopes, parts};
+use super::facet_profile::Profile;
 use super::forms::derivatives;
 use super::polygon::Polygon;
-use super::profiles::Profile;
 use super::vectors::{FacetFrame, Vec3, dot};
 use super::vertices::{CORNERS, NODES, OfNodes, shape_gradients};
 use super::view::{Curves, View};

@@ -2,9 +2,10 @@
 
 use nalgebra::{Matrix6, Vector6};
 
-use super::closing::POINTS;
+use super::facet_profile::Profile;
 use super::forms::Form;
-use super::profiles::Profile;
+use super::products::POINTS;
+use super::quartic::Quartic;
 use crate::contact::faces::{self, Vector};
 use crate::math::tolerances;
 
@@ -27,15 +28,17 @@ pub(super) fn exact_profile(height_of: impl Fn(Vector, Vector) -> Option<f64>, n
         return Some(Profile::default());
     }
     if let &[a, b, c] = &points[..] {
-        return projected(height, [a, b, c]).map(Profile::of_form);
+        let quartic = quartic(height, [a, b, c])?;
+        return Some(Profile::of_form(projected(height, [a, b, c])?).with_quartics([quartic, Quartic::ZERO, Quartic::ZERO, Quartic::ZERO]));
     }
     let corners = <[f64; 4]>::try_from(corners).ok()?;
     let center = faces::middle(nodes, q);
-    let mut forms = [Form::default(); 4];
-    for (k, form) in forms.iter_mut().enumerate() {
-        *form = projected(height, [points[k], points[(k + 1) % 4], center])?;
+    let (mut forms, mut quartics) = ([Form::default(); 4], [Quartic::ZERO; 4]);
+    for k in 0..4 {
+        let triangle = [points[k], points[(k + 1) % 4], center];
+        (forms[k], quartics[k]) = (projected(height, triangle)?, quartic(height, triangle)?);
     }
-    Some(Profile::of_forms(forms, corners))
+    Some(Profile::of_forms(forms, corners).with_quartics(quartics))
 }
 
 /// Quadratic height over a triangle with the least mean square deviation from a height: integrals with all quadratic functions are equal.
@@ -52,6 +55,11 @@ fn projected(height: impl Fn(Vector) -> Option<f64>, corners: [Vector; 3]) -> Op
         }
     }
     matrix.cholesky().map(|factors| factors.solve(&right).into())
+}
+
+/// Height of fourth degree over a triangle with the least mean square deviation from a height.
+fn quartic(height: impl Fn(Vector) -> Option<f64>, [a, b, c]: [Vector; 3]) -> Option<Quartic> {
+    Quartic::projected(|[x, y]| height(a + (b - a) * x + (c - a) * y))
 }
 
 /// Area coordinates of the corners of the four equal triangles of a triangle.

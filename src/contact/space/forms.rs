@@ -44,9 +44,6 @@ pub fn curvature(&[of_0, of_1, of_2, of_01, of_12, of_20]: &Form, sides: [Vector
 #[derive(Clone, Copy)]
 pub struct Quadratic(pub [f64; 6]);
 
-/// Places of `x` and of `y` times the terms of a [`Quadratic`] among `1, x, y, x^2, x y, y^2, x^3, x^2 y, x y^2, y^3`.
-pub const TIMES: [[usize; 6]; 2] = [[1, 3, 4, 6, 7, 8], [2, 4, 5, 7, 8, 9]];
-
 impl Quadratic {
     /// Height profile of a triangle.
     #[inline(always)]
@@ -68,12 +65,6 @@ impl Quadratic {
         [[c[1], 2.0 * c[3], c[4]], [c[2], c[4], 2.0 * c[5]]]
     }
 
-    /// Product of two affine functions.
-    #[inline(always)]
-    pub fn product(a: &[f64; 3], b: &[f64; 3]) -> Self {
-        Quadratic([b[0] * a[0], b[1] * a[0] + b[0] * a[1], b[2] * a[0] + b[0] * a[2], b[1] * a[1], b[2] * a[1] + b[1] * a[2], b[2] * a[2]])
-    }
-
     /// Integral from moments of the terms, which are at `places`.
     #[inline(always)]
     pub fn integral<R: Number, const N: usize>(&self, moments: &[R; N], places: [usize; 6]) -> R {
@@ -82,12 +73,5 @@ impl Quadratic {
             sum += moments[places[term]] * self.0[term];
         }
         sum
-    }
-
-    /// Integrals of the polynomial times the three shape functions.
-    #[inline(always)]
-    pub fn by_shapes<R: Number>(&self, moments: &[R; 10]) -> [R; 3] {
-        let [of_x, of_y] = [self.integral(moments, TIMES[0]), self.integral(moments, TIMES[1])];
-        [self.integral(moments, [0, 1, 2, 3, 4, 5]) - of_x - of_y, of_x, of_y]
     }
 }

@@ -12,8 +12,8 @@
 //! with the derivative of `n` vanish. All functions are generic in the number type, so that numbers with derivatives give the Hessian.
 
 use super::curve_slip::NormalPart;
+use super::facet_profile::Profile;
 use super::forms::{Form, derivatives, value};
-use super::profiles::Profile;
 use super::stretch::{Stretch, Stretched};
 use super::vectors::{self, FacetFrame, Gradient, Jet, Vec3, cross, diagonal_ends, diagonals, dot, scaled, sub};
 use super::vertices;

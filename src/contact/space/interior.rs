@@ -10,9 +10,12 @@
 //! The terms of fourth degree of surfaces of constant curvature (spheres, cylinders) are `-Q |grad Q|^2/4`; `b` is their coefficient of
 //! `xi^2 eta^2`, which does not follow from the sides.
 
+use std::sync::LazyLock;
+
 use nalgebra::{Matrix2, Vector2};
 
-use super::forms::Form;
+use super::forms::{Form, form};
+use super::quartic::Quartic;
 use crate::contact::faces::Vector;
 
 /// Heights of a facet of four nodes over its four triangles `[length]`: `middle` over the mean point; `spokes`: sagittas along the lines
@@ -32,6 +35,27 @@ pub struct Interior {
 const ALONG: Form = [-27.0 / 70.0, -27.0 / 70.0, 17.0 / 70.0, 51.0 / 70.0, 0.1, 0.1];
 const ACROSS: Form = [-1.0 / 14.0, -1.0 / 14.0, 29.0 / 70.0, -1.0 / 14.0, -0.3, -0.3];
 const BUBBLE: Form = [-4.0 / 21.0, -4.0 / 21.0, 1.0 / 14.0, 13.0 / 42.0, 0.0, 0.0];
+
+/// Terms of fourth degree on the triangle of the corners `(-1, -1)`, `(1, -1)` and the mean point, less those of second degree.
+struct Fourth {
+    /// `u(xi)`, `u(t) = t^4 - 6 t^2/5 + 1/5`: difference between a circle and the parabola with the area of its segment.
+    along: Quartic,
+    /// `u(eta)`.
+    across: Quartic,
+    /// Difference between the bubble function and its representation by `middle` and `spokes`.
+    bubble: Quartic,
+}
+
+static FOURTH: LazyLock<Fourth> = LazyLock::new(|| {
+    let coordinates = |[x, y]: [f64; 2]| [2.0 * x + y - 1.0, y - 1.0];
+    let of_circle = |t: f64| (t * t - 1.2) * t * t + 0.2;
+    let bubble = Quartic::projection(|at| coordinates(at).map(|t| 1.0 - t * t).iter().product());
+    Fourth {
+        along: Quartic::projection(|at| of_circle(coordinates(at)[0])),
+        across: Quartic::projection(|at| of_circle(coordinates(at)[1])),
+        bubble: bubble.plus(-1.0, &Quartic::of_form(&form([0.0, 0.0, 1.0], [0.0, 1.0 / 6.0, 1.0 / 6.0]))),
+    }
+});
 
 /// Signs of the facet coordinates `xi` and `eta` at the corners.
 const CORNERS: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
@@ -72,9 +96,20 @@ impl Interior {
         interior
     }
 
-    /// Adds the terms of fourth degree to the height over triangle `k`.
+    /// Coefficients of the terms of fourth degree along side `k` and across it.
+    fn along_and_across(&self, k: usize) -> [f64; 2] {
+        [k, k + 1].map(|k| 0.5 * (self.quartics[k % 4] + self.quartics[(k + 2) % 4]))
+    }
+
+    /// Height of fourth degree over triangle `k`, from its terms of second degree.
+    pub fn quartic(&self, k: usize, form: &Form) -> Quartic {
+        let ([along, across], fourth) = (self.along_and_across(k), &*FOURTH);
+        Quartic::of_form(form).plus(self.bubble, &fourth.bubble).plus(-along, &fourth.along).plus(-across, &fourth.across)
+    }
+
+    /// Adds the terms of fourth degree in the mean square to the height over triangle `k`.
     pub fn even(&self, k: usize, form: &mut Form) {
-        let [along, across] = [k, k + 1].map(|k| 0.5 * (self.quartics[k % 4] + self.quartics[(k + 2) % 4]));
+        let [along, across] = self.along_and_across(k);
         for (term, height) in form.iter_mut().enumerate() {
             *height += self.bubble * BUBBLE[term] - along * ALONG[term] - across * ACROSS[term];
         }
@@ -103,6 +138,25 @@ mod tests {
             }
         }
         sum / count
+    }
+
+    /// Heights of second degree are those of fourth degree in the mean square: their projection on the fourth degree has no constant part.
+    #[test]
+    fn heights_of_second_degree_are_even() {
+        let interior = Interior { middle: 0.1, spokes: [0.02; 4], bubble: 0.3, quartics: [0.7, -0.2, 0.5, 0.4] };
+        for k in 0..4 {
+            let plain = form([0.01, 0.02, 0.1], [0.05, 0.02, 0.02]);
+            let (quartic, mut even) = (interior.quartic(k, &plain), plain);
+            interior.even(k, &mut even);
+            let difference = quartic.plus(-1.0, &Quartic::of_form(&even));
+            for [i, j] in [[0, 0], [1, 0], [0, 1], [2, 0], [1, 1], [0, 2]] {
+                // The projection of the product keeps its integral; that of x^i y^j over the triangle is i! j!/(i + j + 2)!.
+                let product = Quartic::projection(|at| difference.at(at) * at[0].powi(i) * at[1].powi(j)).0;
+                let shares = [2.0, 6.0, 6.0, 12.0, 24.0, 12.0, 20.0, 60.0, 60.0, 20.0, 30.0, 120.0, 180.0, 120.0, 30.0];
+                let integral: f64 = product.iter().zip(shares).map(|(term, share)| term / share).sum();
+                assert!(integral.abs() < 1e-10, "{k} {i} {j}: {integral}");
+            }
+        }
     }
 
     /// Closed form: mean heights of a sphere over the four triangles of a square, a rhombus, and a quadrilateral without symmetry.

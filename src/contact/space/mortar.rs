@@ -6,9 +6,9 @@
 
 use super::curve_slip::PlaneTangents;
 use super::dual::{Duals, MultiplierFunctions};
+use super::facet_profile::Profile;
 use super::gaps::Measure;
 use super::pair::{Gradients, Pair};
-use super::profiles::Profile;
 use super::second_order::ProxySurfacesInSpace;
 use super::slip;
 use super::vectors::Vec3;

@@ -20,8 +20,9 @@
 
 use super::clipping::VERTICES;
 use super::curve_slip::{DifferentiatedNormalTerms, NormalTerms, NormalWeights};
+use super::facet_profile::Profile;
 use super::polygon::Polygon;
-use super::profiles::Profile;
+use super::products::Products;
 use super::stiffness::Hessian;
 use super::vectors::Vec3;
 use super::vertices::{CORNERS, Forces, NODES, OfNodes};
@@ -126,24 +127,36 @@ impl Pair<f64> {
         if profiles.iter().any(|profile| !profile.is_flat()) {
             let (arms, [own, other]) = (&self.view.arms, self.view.counts);
             let [first, second] = [profiles[0].stretched(&arms[..own]), profiles[1].stretched(&arms[own..own + other])];
-            self.view.curves = Some(Curves { profiles: [first.0, second.0], stretches: [first.1, second.1] });
+            let closed = (!profiles[1].is_flat()).then(|| profiles[1].closing());
+            let of_nodes = profiles.map(|profile| profile.stretch);
+            self.view.curves = Some(Curves { forms: [first.0, second.0], closed, of_nodes, stretches: [first.1, second.1] });
         }
         self
     }
 
     /// Weighted gaps `Phi_A` of the secondary nodes `[length^3]`.
     pub fn values(&self) -> [f64; CORNERS] {
+        dispatch(Values(self))
+    }
+
+    #[inline(always)]
+    fn sums(&self) -> [f64; CORNERS] {
         let mut values = [0.0; CORNERS];
         for polygon in &self.polygons {
             let (places, heights) = (self.view.places(&polygon.corners), self.view.heights(&polygon.corners));
             let mut integrals = polygon.integrals(&polygon.counting(&polygon.gaps(&heights)), 0);
-            if let Some(forms) = self.view.forms(&polygon.corners) {
-                let (closing, _) = polygon.closing(&places, &heights, forms);
-                integrals.iter_mut().zip(closing.closed(polygon.vertices())).for_each(|(open, closed)| *open -= closed);
+            if let Some(curved) = self.view.curved(&polygon.corners) {
+                let (closing, _) = polygon.closing(&places, &heights, curved);
+                let closed = closing.closed(&Products::new(polygon.vertices()));
+                for j in 0..3 {
+                    integrals[j] -= closed[j];
+                }
             }
-            for (integral, point) in integrals.into_iter().zip(polygon.corners[0]) {
-                let (nodes, share) = self.view.shares(point);
-                nodes.for_each(|node| values[node] += integral * share);
+            for j in 0..3 {
+                let (nodes, share) = self.view.shares(polygon.corners[0][j]);
+                for node in nodes {
+                    values[node] += integrals[j] * share;
+                }
             }
         }
         values
@@ -169,13 +182,13 @@ impl Pair<f64> {
             let weights = self.view.weights(corners[0], weights);
             // No closures, which would be compiled without the wide registers.
             let (mut closing, mut tilted) = (None, [[R::from(0.0); 3]; 3]);
-            if let Some(forms) = self.view.forms(corners) {
-                let (profiles, tilt) = polygon.closing(&places, &heights, forms);
-                let moments = profiles.moments(polygon.vertices(), &weights);
+            if let Some(curved) = self.view.curved(corners) {
+                let (profiles, tilt) = polygon.closing(&places, &heights, curved);
+                let moments = profiles.moments(&Products::new(polygon.vertices()), &weights);
                 let tilting = profiles.tilting(&moments);
-                tilted = tilt.forces(tilting);
+                tilted = tilt.forces(&tilting);
                 of_stretches[0] -= profiles.secondary(&moments);
-                of_stretches[1] -= tilt.closed(tilting, 2.0);
+                of_stretches[1] -= tilt.closed(&tilting, 1);
                 closing = Some((profiles, moments));
             }
             let mut forces: Forces<R> = polygon.forces(&places, &heights, &closing, &weights, band);
@@ -259,6 +272,18 @@ impl Kernel for Overlap<'_> {
     #[inline(always)]
     fn run<const FMA: bool>(self) -> Option<Pair<f64>> {
         Pair::new(self.x, self.counts)
+    }
+}
+
+/// Computation of the weighted gaps of a pair, compiled for the instruction set of the processor.
+struct Values<'a>(&'a Pair<f64>);
+
+impl Kernel for Values<'_> {
+    type Output = [f64; CORNERS];
+
+    #[inline(always)]
+    fn run<const FMA: bool>(self) -> Self::Output {
+        self.0.sums()
     }
 }
 

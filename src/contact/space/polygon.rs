@@ -17,8 +17,8 @@
 use std::ops::Mul;
 
 use super::clipping::{Corner, VERTICES, area, clip};
-use super::closing::{Closing, Moments, Tilt};
-use super::forms::Form;
+use super::closing::{Closing, Coordinate, Heights, Moments};
+use super::facet_tilt::Tilt;
 use super::vertices::{Forces, NODES, OfPrimary, PerTriangle, PolygonBorder, Vertex, outward, shape_gradients, sides, slope, slope_of};
 use crate::contact::numbers::Number;
 use crate::math::tolerances::FACING_AREA;
@@ -229,11 +229,12 @@ impl<T: Number> Polygon<T> {
         &self,
         places: &PerTriangle<[T; 2]>,
         heights: &PerTriangle<f64>,
-        closing: &Option<(Closing<T>, Moments<T, R>)>,
+        closing: &Option<(Closing<'_, T>, Moments<T, R>)>,
         weights: &[W; 3],
         band: f64,
     ) -> Forces<R>
     where
+        T: Coordinate,
         W: Copy + Mul<T, Output = R>,
         R: Number + Mul<T, Output = R>,
         f64: Mul<T, Output = T>,
@@ -267,11 +268,12 @@ impl<T: Number> Polygon<T> {
     pub fn edges_into<W, R>(
         &self,
         heights: &PerTriangle<f64>,
-        closing: &Option<(Closing<T>, Moments<T, R>)>,
+        closing: &Option<(Closing<'_, T>, Moments<T, R>)>,
         weights: &[W; 3],
         band: f64,
         forces: &mut Forces<R>,
     ) where
+        T: Coordinate,
         W: Copy + Mul<T, Output = R>,
         R: Number + Mul<T, Output = R>,
     {
@@ -353,17 +355,22 @@ impl Polygon<OfPrimary> {
     }
 }
 
-/// Derivatives of forces with respect to the heights of six corners, the tilts of the height profiles, and the logarithms of both facets'
-/// stretches, see [`Polygon::passed`].
-pub type OfHeights = [f64; 11];
+/// Derivatives of forces with respect to the heights of six corners, the factors of the polynomials of the closed gap, and the logarithms
+/// of both facets' stretches, see [`Polygon::passed`].
+pub type OfHeights = [f64; 14];
 
 impl Polygon<f64> {
     /// Height profiles of both triangles, and the tilt of the primary one.
     #[inline(always)]
-    pub fn closing(&self, places: &PerTriangle<[f64; 2]>, heights: &PerTriangle<f64>, forms: [Form; 2]) -> (Closing<f64>, Tilt<f64>) {
+    pub fn closing<'a>(
+        &self,
+        places: &PerTriangle<[f64; 2]>,
+        heights: &PerTriangle<f64>,
+        curved: Heights<'a>,
+    ) -> (Closing<'a, f64>, Tilt<f64>) {
         let gradients = [shape_gradients(&places[0], self.areas[0]), shape_gradients(&places[1], self.areas[1])];
         let tilt = Tilt::new(gradients[1], &heights[1]);
-        (Closing::new(gradients, &tilt, forms), tilt)
+        (Closing::new(gradients, &tilt, curved), tilt)
     }
 
     /// Forces of a polygon of flat triangles without those of its edges, with their derivatives. For a displacement `M_c v` of the primary
@@ -428,13 +435,15 @@ impl Polygon<f64> {
     /// Derivatives of the forces that pass gradually between edges within the band, with respect to heights, tilts and stretches; `None`
     /// without such forces.
     #[inline(always)]
-    pub fn passed(&self, closing: Option<&Closing<f64>>, weights: &[f64; 3], band: f64) -> Option<[OfHeights; 12]> {
+    pub fn passed(&self, closing: Option<&Closing<'_, f64>>, weights: &[f64; 3], band: f64) -> Option<[OfHeights; 12]> {
         let passes = |k: usize| !(self.vertices[k].is_inner && closing.is_none()) && self.bearer(self.edge(k).0, band).share.is_some();
-        (0..self.count).any(passes).then(|| self.passed_forces(closing, weights, band))
+        // No closure, which would be compiled without the wide registers.
+        if (0..self.count).any(passes) { Some(self.passed_forces(closing, weights, band)) } else { None }
     }
 
     /// Derivatives of [`Polygon::passed`].
-    fn passed_forces(&self, closing: Option<&Closing<f64>>, weights: &[f64; 3], band: f64) -> [OfHeights; 12] {
+    #[inline(always)]
+    fn passed_forces(&self, closing: Option<&Closing<'_, f64>>, weights: &[f64; 3], band: f64) -> [OfHeights; 12] {
         let mut passed = [OfHeights::default(); 12];
         let weight: [f64; VERTICES] = self.weights(weights);
         for k in 0..self.count {
@@ -444,14 +453,12 @@ impl Polygon<f64> {
             }
             let EdgeOwner { side, share: Some(share) } = self.bearer(ends, band) else { continue };
             let weight = [weight[a], weight[b]];
-            let mut edges = [[0.0; 2]; 11];
+            let mut edges = [[0.0; 2]; 14];
             for (column, (from, up)) in [(0, -share), (1, share)].into_iter().flat_map(|of| [of; 3]).enumerate() {
                 edges[column] = along_edge(weight, ends.map(|end| up * end.shape(from)[column % 3]));
             }
             if let Some(closing) = closing {
-                let of_stretches = closing.along_edge_by_stretches(ends, weight);
-                let of_tilts = closing.along_edge_by_tilts(ends, weight);
-                for (edge, of_edge) in edges[6..].iter_mut().zip(of_tilts.into_iter().chain(of_stretches)) {
+                for (edge, of_edge) in edges[6..].iter_mut().zip(closing.along_edge_by_parameters(ends, weight)) {
                     *edge = of_edge.map(|part| -share * part);
                 }
             }

@@ -13,6 +13,7 @@
 //! with the normal `n` from node `i` to node `j` the angles `sin a = e.(n - n_i)/|e|` and `e.(n_j - n)/|e|` have the mean `a`, at most
 //! twice the smaller one and zero for different signs: an isolated kink is not taken for curvature. At a border one angle stands for both;
 //! normals there are in `border_normals.rs`.
+//! Facets of first order that lie with their neighbors on a sphere or a cylinder have its exact heights (`quadric.rs`).
 //! Faces of second order have normals of their own at all their nodes (`curved_face.rs`), which stand at borders and at kinks.
 //! The sagitta `s_e = |e| a (1 + 2 a^2/15 + ..)/4` preserves the area of the circular segment. The height is quadratic over the facet with
 //! the mean `sum_e s_e/3`, and constant in facet coordinates, so that the surface moves with the facet.
@@ -22,9 +23,10 @@ use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 use nalgebra::{DMatrix, DVector};
 
 use super::border_normals::border_normal;
-use super::forms::{Form, derivatives, form, value};
+use super::exact_profile::exact_profile;
+use super::facet_profile::Profile;
 use super::interior::Interior;
-use super::stretch::{Stretch, Stretched};
+use super::quadric::Quadric;
 use super::vectors::Vec3;
 use crate::contact::faces::{self, Vector};
 use crate::contact::surface::Surface;
@@ -48,130 +50,6 @@ const AGREEING: f64 = 0.2;
 /// Upper bound of the height of points over the mean height of their facets: faces of six nodes raise their mid-side points alone, by 4/3
 /// of it.
 const MOST_RAISED: f64 = 1.5;
-
-/// Iterations for the point of a tilted triangle below a point of the curve; one iteration is exact to second order in the tilt.
-const TILTS: usize = 3;
-
-/// Height profile of a facet of three nodes, or of the four triangles about the mean point of a facet of four nodes `[length]`, outwards.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Profile {
-    forms: [Form; 4],
-    is_curved: bool,
-    /// Heights of the curve over the corners `[length]`.
-    corners: [f64; 4],
-    /// Factor of the height in deformed configurations.
-    pub stretch: Stretch,
-}
-
-impl Profile {
-    /// Profile from the heights of the curve over the corners and the sagittas of the sides, indexed by the corner at which the side
-    /// starts. Inside a facet of four nodes: serendipity interpolation for a plane parallelogram.
-    #[cfg(test)]
-    pub fn new(corners: &[f64], sagittas: &[f64]) -> Self {
-        match (corners.try_into(), sagittas.try_into()) {
-            (Ok(corners), Ok(sagittas)) => Self::of_four(&corners, &sagittas, &Interior::of_sides(&corners, &sagittas)),
-            _ => Self::of_three([corners[0], corners[1], corners[2]], [sagittas[0], sagittas[1], sagittas[2]]),
-        }
-    }
-
-    /// Profile of a facet of three nodes.
-    pub fn of_three(corners: [f64; 3], sagittas: [f64; 3]) -> Self {
-        Self::of_form(form(corners, sagittas))
-    }
-
-    /// Profile of a facet of three nodes with this height.
-    pub fn of_form(form: Form) -> Self {
-        let mut profile = Profile { forms: [[0.0; 6]; 4], is_curved: true, ..Profile::default() };
-        profile.forms[0] = form;
-        profile.corners[..3].copy_from_slice(&form[..3]);
-        profile
-    }
-
-    /// Profile of a facet of four nodes from the heights over its four triangles.
-    pub fn of_four(corners: &[f64; 4], sagittas: &[f64; 4], interior: &Interior) -> Self {
-        let Interior { middle, spokes, .. } = interior;
-        let of = |k: usize| {
-            let next = (k + 1) % 4;
-            let mut form = form([corners[k], corners[next], *middle], [sagittas[k], spokes[next], spokes[k]]);
-            interior.even(k, &mut form);
-            form
-        };
-        Profile { forms: [0, 1, 2, 3].map(of), is_curved: true, corners: *corners, ..Profile::default() }
-    }
-
-    /// Heights along the normal of each triangle of a facet with these nodes, from heights along the unit normal of the facet. Triangles of
-    /// warped facets are tilted against it.
-    ///
-    /// The curve at the height `H` along the facet's normal `n` over `x` has the height `H (n.t)` along the triangle's normal `t` over
-    /// `x + H (n - (n.t) t)`.
-    pub fn across_triangles(mut self, nodes: &[Vector], normal: Vector) -> Self {
-        let &[a, b, c, d] = nodes else { return self };
-        let middle = 0.25 * (a + b + c + d);
-        for (form, [a, b]) in self.forms.iter_mut().zip([[a, b], [b, c], [c, d], [d, a]]) {
-            let [first, second] = [b - a, middle - a];
-            let area = first.cross(&second);
-            let Some(own) = area.try_normalize(0.0) else { continue };
-            let slope = normal.dot(&own);
-            let shift = normal - own * slope;
-            let [of_b, of_middle] = [shift.cross(&second), first.cross(&shift)].map(|part| part.dot(&area) / area.norm_squared());
-            let by = [-of_b - of_middle, of_b, of_middle];
-            let height = |at: [f64; 3]| {
-                let mut found = value(&derivatives(form, &at), &at);
-                for _ in 0..TILTS {
-                    let foot = [0, 1, 2].map(|i| at[i] - found * by[i]);
-                    found = value(&derivatives(form, &foot), &foot);
-                }
-                found * slope
-            };
-            let [a, b, c] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(height);
-            let [ab, bc, ca] = [[0.5, 0.5, 0.0], [0.0, 0.5, 0.5], [0.5, 0.0, 0.5]].map(height);
-            *form = self::form([a, b, c], [ab - 0.5 * (a + b), bc - 0.5 * (b + c), ca - 0.5 * (c + a)]);
-        }
-        self
-    }
-
-    /// True for a facet without curvature.
-    #[inline(always)]
-    pub fn is_flat(&self) -> bool {
-        !self.is_curved
-    }
-
-    /// Height of the curve over corner `k` `[length]`.
-    pub fn corner(&self, k: usize) -> f64 {
-        self.corners[k]
-    }
-
-    /// Profile of a facet of four nodes with these heights over its four triangles, of a curve with the given heights over the corners.
-    pub fn of_forms(forms: [Form; 4], corners: [f64; 4]) -> Self {
-        Profile { forms, is_curved: true, corners, ..Profile::default() }
-    }
-
-    /// Profile that is multiplied by the stretch of its facet, whose nodes have these reference positions.
-    pub fn on_facet(mut self, nodes: &[Vec3<f64>]) -> Self {
-        if self.is_curved {
-            self.stretch = Stretch::new(&self.forms, nodes);
-        }
-        self
-    }
-
-    /// Profile in a deformed configuration, with the stretch of its facet there.
-    #[inline(always)]
-    pub fn stretched(mut self, nodes: &[Vec3<f64>]) -> (Self, Stretched<f64>) {
-        let stretched = self.stretch.at(nodes);
-        for form in &mut self.forms {
-            for height in form {
-                *height *= stretched.by;
-            }
-        }
-        (self, stretched)
-    }
-
-    /// Height as a function on triangle number `triangle` of the facet.
-    #[inline(always)]
-    pub fn form(&self, triangle: usize) -> &Form {
-        &self.forms[triangle]
-    }
-}
 
 /// Data of nodal constraints in space, one entry per secondary node.
 #[derive(Clone, Debug)]
@@ -252,7 +130,7 @@ pub fn profiles(surface: &Surface, seen: &[f64], truth: &[f64], of_faces: &[Opti
 pub fn across_triangles(surface: &Surface, q: &[f64], profiles: &mut [Profile]) {
     for (facet, profile) in profiles.iter_mut().enumerate().filter(|(_, profile)| !profile.is_flat()) {
         let nodes: Vec<Vector> = surface.facet(facet).iter().map(|&node| faces::at(node, q)).collect();
-        *profile = profile.across_triangles(&nodes, faces::normal(surface.facet(facet), q));
+        *profile = std::mem::take(profile).across_triangles(&nodes, faces::normal(surface.facet(facet), q));
     }
 }
 
@@ -438,12 +316,29 @@ impl<'a> Facets<'a> {
         self.ring(self.surface.facet(facet)[k], &self.around(facet, k)).iter().any(goes_on).then(angle)
     }
 
+    /// Height profile over a facet of first order that lies with its neighbors on a sphere or a cylinder.
+    fn round_profile(&self, facet: usize) -> Option<Profile> {
+        if !self.of_faces.is_empty() {
+            return None;
+        }
+        let nodes = self.surface.facet(facet);
+        let around = (0..nodes.len()).flat_map(|k| self.around(facet, k)).flat_map(|other| self.surface.facet(other));
+        let mut others: Vec<u32> = around.copied().filter(|node| !nodes.contains(node)).collect();
+        others.sort_unstable();
+        others.dedup();
+        let quadric = Quadric::around(nodes, &others, self.q)?;
+        exact_profile(|x, normal| quadric.height(x, normal), nodes, self.q)
+    }
+
     /// Height profile over a facet between the points `seen`, which represent its nodes.
     fn profile(&self, facet: usize, seen: &[f64]) -> Profile {
         let nodes = self.surface.facet(facet);
         let (sagittas, quartics) = self.sides_of(facet);
         if sagittas == [0.0; 4] {
             return Profile::default();
+        }
+        if let Some(profile) = self.round_profile(facet) {
+            return profile;
         }
         let normal = faces::normal(nodes, seen);
         let apart = |k: usize| faces::at(nodes[k], self.q) - faces::at(nodes[k], seen);
@@ -493,6 +388,8 @@ impl<'a> Facets<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::contact::space::forms::{derivatives, value};
+    use crate::contact::space::products::POINTS;
 
     /// Strip of a quarter cylinder of radius 1 with `count` facets, round or hollow.
     fn strip(count: u32, is_hollow: bool) -> (Surface, Vec<f64>) {
@@ -557,6 +454,33 @@ mod tests {
             for k in (0..16).filter(|k| ![0, 3, 12, 15].contains(k)) {
                 let at = found.at_nodes[surface.index(k as u32).unwrap()].unwrap();
                 assert!((at - normal(k)).norm() < 1e-12, "{k} of a sphere ({is_sphere}): {at} {}", normal(k));
+            }
+        }
+    }
+
+    /// Closed form: facets of spheres have the sphere's heights in the mean square, whatever their shape.
+    #[test]
+    fn facets_of_spheres_have_its_heights() {
+        let facets: Vec<[u32; 4]> = (0..9).map(|k| k / 3 * 4 + k % 3).map(|k| [k, k + 1, k + 5, k + 4]).collect();
+        let surface = Surface::in_space(facets.iter().map(|facet| &facet[..]));
+        let point = |k: usize| {
+            let [a, b] = [0.2 * (k % 4) as f64, 0.25 * (k / 4) as f64 + 0.02 * (3 * k % 7) as f64];
+            [a.cos() * b.cos(), a.sin() * b.cos(), b.sin()]
+        };
+        let q: Vec<f64> = (0..16).flat_map(point).collect();
+        for surface in [split(&surface), surface] {
+            for (facet, profile) in profiles(&surface, &q, &q, &[]).into_iter().enumerate() {
+                let nodes = surface.facet(facet);
+                let normal = faces::normal(nodes, &q);
+                for (k, [a, b, c]) in faces::triangles(nodes, &q).enumerate() {
+                    let mean = |height: &dyn Fn([f64; 3]) -> f64| POINTS.iter().map(|(at, weight)| weight * height(*at)).sum::<f64>();
+                    let exact = mean(&|at| {
+                        let x = a * at[0] + b * at[1] + c * at[2];
+                        (x.dot(&normal).powi(2) + 1.0 - x.norm_squared()).sqrt() - x.dot(&normal)
+                    });
+                    let found = mean(&|at| value(&derivatives(profile.form(k), &at), &at));
+                    assert!((found / exact - 1.0).abs() < 1e-5, "{facet} {k}: {found} {exact}");
+                }
             }
         }
     }

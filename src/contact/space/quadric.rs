@@ -1,4 +1,5 @@
-//! Quadric surface through the nodes of a face of second order (for `second_order.rs`).
+//! Quadric surface through the nodes of a face of second order (for `second_order.rs`), or of first order and its neighbors (for
+//! `profiles.rs`).
 //!
 //! With the distance `z` from a plane along its unit normal and the coordinates `X` in it, the surface is
 //!
@@ -16,12 +17,19 @@ use super::curved_face::has_own_center;
 use crate::contact::faces::{self, Vector};
 use crate::math::tolerances::STRAIGHT;
 
-/// Largest number of corrections of the plane; each one squares the error.
-const CORRECTIONS: usize = 12;
+/// Largest number of corrections of the plane. Each one squares the error for the nodes of one face; for those around a facet that turns by
+/// 20 degrees twelve are too few.
+const CORRECTIONS: usize = 60;
 
 /// Largest distance of a node of a face from its quadric, relative to `k l^2` with the edge length `l`: 8 % of the sagitta. Faces of other
 /// surfaces have none.
 const MISSED: f64 = 0.01;
+
+/// [`MISSED`] for spheres and cylinders through the nodes of facets of first order and their neighbors.
+const ROUND: f64 = 0.000_1;
+
+/// Least number of nodes that show whether a surface with six unknowns passes through them.
+const ENOUGH: usize = 8;
 
 /// Surface through the nodes of a face.
 pub(super) struct Quadric {
@@ -41,22 +49,35 @@ impl Quadric {
     pub(super) fn through(face: &[u32], q: &[f64]) -> Option<Self> {
         let count = if face.len() == 9 && !has_own_center(face, q) { 8 } else { face.len() };
         let nodes: Vec<Vector> = face[..count].iter().map(|&node| faces::at(node, q)).collect();
-        let corners = if count == 6 { 3 } else { 4 };
+        Self::through_points(&nodes, if count == 6 { 3 } else { 4 }, MISSED)
+    }
+
+    /// Sphere or cylinder through the nodes of a facet of first order and `others` around it; `None` for other surfaces, and where the
+    /// nodes do not determine one.
+    pub(super) fn around(facet: &[u32], others: &[u32], q: &[f64]) -> Option<Self> {
+        let nodes: Vec<Vector> = facet.iter().chain(others).map(|&node| faces::at(node, q)).collect();
+        (nodes.len() >= ENOUGH).then(|| Self::through_points(&nodes, facet.len(), ROUND)).flatten()
+    }
+
+    /// Surface through points, of which the first ones are the `corners` of a facet. `largest`: largest distance of a point, relative to
+    /// `k l^2`.
+    fn through_points(nodes: &[Vector], corners: usize, largest: f64) -> Option<Self> {
         let size = (nodes[1] - nodes[0]).norm();
         let at_corners = nodes[..corners].iter().sum::<Vector>() / corners as f64;
-        let (mut at, mut normal) = (at_corners, faces::area_vector(&face[..corners], q));
+        let [first, second] = [nodes[2] - nodes[0], nodes[corners - 1] - nodes[1]];
+        let (mut at, mut normal) = (at_corners, first.cross(&second));
         let mut steepest = 0.0;
         for _ in 0..CORRECTIONS {
             let normal_now = normal.try_normalize(0.0)?;
             let first = (nodes[1] - nodes[0]).cross(&normal_now).try_normalize(0.0)?;
             let surface = Quadric { at, axes: [first, normal_now.cross(&first), normal_now], curvature: Matrix2::zeros(), steepest };
-            let ([offset, x, y, xx, yy, xy], missed) = surface.coefficients(&nodes, size)?;
+            let ([offset, x, y, xx, yy, xy], missed) = surface.coefficients(nodes, size)?;
             let curvature = Matrix2::new(xx, xy, xy, yy);
             steepest = curvature.symmetric_eigenvalues().into_iter().fold(0.0, |most: f64, &k| if k.abs() > most.abs() { k } else { most });
             let change = (offset / size).abs() + x.abs() + y.abs() + size * (steepest - surface.steepest).abs();
             let [first, second, axis] = surface.axes;
             if change < STRAIGHT * STRAIGHT {
-                return (missed <= MISSED * steepest.abs() * size * size).then_some(Quadric { curvature, steepest, ..surface });
+                return (missed <= largest * steepest.abs() * size * size).then_some(Quadric { curvature, steepest, ..surface });
             }
             (at, normal) = (at - axis * offset, axis + first * x + second * y);
         }

@@ -28,7 +28,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::curved_face::{center, corner_normals};
 use super::exact_profile::exact_profile;
-use super::profiles::{Profile, across_triangles, profiles, stretching};
+use super::facet_profile::Profile;
+use super::profiles::{across_triangles, profiles, stretching};
 use super::quadric::Quadric;
 use crate::contact::combinations::Combinations;
 use crate::contact::faces::{self, Vector};
@@ -114,7 +115,9 @@ impl<'a> ProxySurfacesInSpace<'a> {
             for (facet, (face, profile)) in pieces.zip(profiles).enumerate().filter(|(_, (face, _))| face.len() >= 6) {
                 let of_face = Quadric::through(face, reference)
                     .and_then(|quadric| exact_profile(|x, normal| quadric.height(x, normal), surface.facet(facet), &seen));
-                *profile = of_face.unwrap_or(*profile);
+                if let Some(of_face) = of_face {
+                    *profile = of_face;
+                }
             }
         }
         let on_faces = Some((points, homes, Sides::of(own, other, reference)));
@@ -145,7 +148,9 @@ impl<'a> ProxySurfacesInSpace<'a> {
         for ((surface, profiles), shape) in [&self.secondary, &self.primary].into_iter().zip(&mut self.profiles).zip(shapes) {
             let Some(height) = shape else { continue };
             for (facet, profile) in profiles.iter_mut().enumerate() {
-                *profile = exact_profile(&height, surface.facet(facet), &self.reference).unwrap_or(*profile);
+                if let Some(exact) = exact_profile(&height, surface.facet(facet), &self.reference) {
+                    *profile = exact;
+                }
             }
         }
         self
@@ -153,14 +158,15 @@ impl<'a> ProxySurfacesInSpace<'a> {
 
     /// Height profiles of the secondary facets, which follow the stretches of the facets.
     pub(super) fn secondary_profiles(&self) -> Vec<Profile> {
-        stretching(&self.secondary, &self.reference, self.profiles[0].clone())
+        let profiles = self.profiles[0].iter().cloned().map(Profile::of_secondary).collect();
+        stretching(&self.secondary, &self.reference, profiles)
     }
 
     /// Height profiles of the primary facets, along the normals of their triangles, which follow the stretches of the facets.
     pub(super) fn primary_profiles(&self) -> Vec<Profile> {
         let mut profiles = self.profiles[1].clone();
         across_triangles(&self.primary, &self.reference, &mut profiles);
-        stretching(&self.primary, &self.reference, profiles)
+        stretching(&self.primary, &self.reference, profiles.into_iter().map(Profile::of_primary).collect())
     }
 
     /// True for each secondary node or point that belongs to one of the given model nodes (ascending).
@@ -454,8 +460,8 @@ impl Proxies {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::space::closing::POINTS;
     use crate::contact::space::forms::{derivatives, value};
+    use crate::contact::space::products::POINTS;
     use crate::elements::CellKind;
     use crate::mesh::{Round, hollow_sphere, tube};
 

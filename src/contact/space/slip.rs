@@ -16,7 +16,7 @@
 //! a body rotates.
 
 use super::curve_slip::{self, NormalPart, PlaneTangents};
-use super::profiles::Profile;
+use super::facet_profile::Profile;
 use super::rigid_part::RigidPart;
 use super::vectors::{FacetFrame, Vec3, cross, dot, jets, scaled, sub};
 use super::vertices::{CORNERS, NODES, OfNodes, UNKNOWNS};

@@ -1,17 +1,18 @@
 //! Hessian of the weighted gaps of a facet pair in space (`pair.rs`).
 //!
-//! `Phi` of a polygon depends on twelve plane coordinates, on heights and, by way of the tilt `u` of the primary triangle, on the height
-//! profiles; it is linear in heights and tilt. Forces are differentiated with respect to the six plane coordinates of the primary triangle.
-//! `Phi` is `det A` times as large where an affine map `A` moves the corners of both triangles, and forces are `det A A^-T` times as large.
-//! The maps that move one secondary corner `j` and leave the other two, `x + v N_j(x)`, hence give the derivatives with respect to that
-//! corner from those with respect to the primary ones:
+//! `Phi` of a polygon depends on twelve plane coordinates, on heights and, by way of the factors `f_u` of the polynomials of the closed
+//! gap, on the tilt of the primary triangle; it is linear in heights and factors. Forces are differentiated with respect to the six plane
+//! coordinates of the primary triangle. `Phi` is `det A` times as large where an affine map `A` moves the corners of both triangles, and
+//! forces are `det A A^-T` times as large. The maps that move one secondary corner `j` and leave the other two, `x + v N_j(x)`, hence give
+//! the derivatives with respect to that corner from those with respect to the primary ones:
 //!
 //! ```text
 //! d F = (grad N_j.v) F - grad N_j (v.F) - sum_m N_j(m) v dF/dm         F: forces in the plane
-//! d f = (grad N_j.v) f                  - sum_m N_j(m) v df/dm         f: derivatives with respect to heights and tilt
+//! d f = (grad N_j.v) f                  - sum_m N_j(m) v df/dm         f: derivatives with respect to heights and factors
 //! ```
 //!
-//! Derivatives of the tilt with respect to the primary triangle add the rest, and the chain rule transforms the sum to the node positions.
+//! Derivatives of the factors with respect to the primary triangle add the rest, and the chain rule transforms the sum to the node
+//! positions.
 //!
 //! Stretches `s_a` of the facets (`stretch.rs`) multiply the profiles. With `t_a = ln s_a`, the forces `f` for constant stretches and
 //! `S_a = dPhi/dt_a` the Hessian has the further terms
@@ -20,9 +21,10 @@
 //! df/dt_a x dt_a + dt_a x dS_a/dx + S_a d2t_a + d2Phi/dt_a^2 dt_a x dt_a,      d2t_a = (b_ij/s_a^2) 1 - 2 dt_a x dt_a
 //! ```
 
-use super::closing::{Closing, Moments, Tilt};
-use super::forms::Form;
+use super::closing::{Closing, Heights, Moments};
+use super::facet_tilt::{PerPolynomial, Tilt};
 use super::polygon::{OfHeights, Polygon, shares};
+use super::quartic::DEGREES;
 use super::vectors::{Jet, LANES, Vec3, columns_into, jets};
 use super::vertices::{CORNERS, Forces, NODES, OfPrimary, PerTriangle, shape_gradients, sides};
 use super::view::{Curves, POINTS, View};
@@ -70,12 +72,15 @@ struct Sums<const N: usize> {
     passed: [[f64; SEEN]; N],
 }
 
-/// Places of the parameters among the columns of [`OfHeights`]: tilt of the primary triangle, stretches.
+/// Places of the parameters among the columns of [`OfHeights`]: factors of the polynomials of the closed gap, stretches.
 const TILTS: usize = 6;
-const STRETCHES: usize = 9;
+const STRETCHES: usize = 12;
+
+/// Number of polynomials of the closed gap, whose factors are functions of the tilt.
+const POLYNOMIALS: usize = 6;
 
 /// Profiles of a polygon with derivatives, and its moments.
-type MovedClosing = Option<(Closing<OfPrimary>, Moments<OfPrimary, OfPrimary>)>;
+type MovedClosing<'a> = Option<(Closing<'a, OfPrimary>, Moments<OfPrimary, OfPrimary>)>;
 
 /// Polygon whose forces are differentiated.
 struct Moved {
@@ -112,9 +117,16 @@ impl Moved {
 }
 
 impl Stiffness {
-    /// Adds the contribution of a polygon, for a constant tilt of the height profiles `forms`; derivatives by the tilt to `tilts`.
+    /// Adds the contribution of a polygon, for a constant tilt of the height profiles; derivatives with respect to the factors of the
+    /// polynomials of the closed gap to `tilts`.
     #[inline(always)]
-    fn add(&mut self, hessian: &Hessian, polygon: &Polygon<f64>, jets: &mut Polygon<OfPrimary>, tilts: Option<(&mut Sums<3>, [Form; 2])>) {
+    fn add(
+        &mut self,
+        hessian: &Hessian,
+        polygon: &Polygon<f64>,
+        jets: &mut Polygon<OfPrimary>,
+        tilts: Option<(&mut Sums<POLYNOMIALS>, Heights)>,
+    ) {
         let Hessian { view, band, .. } = hessian;
         let (corners, weights) = (&polygon.corners, view.weights(polygon.corners[0], hessian.weights));
         let (places, heights) = (view.places(corners), view.heights(corners));
@@ -132,7 +144,7 @@ impl Stiffness {
         let mut forces = polygon.moved_forces(&gradients, &heights, &weights);
         // No closures, which would be compiled without the wide registers.
         let (mut plain, mut closing): (_, MovedClosing) = (None, None);
-        if let Some((_, forms)) = &tilts {
+        if let Some((_, curved)) = &tilts {
             let mut moving = [[[OfPrimary::from(0.0); 2]; 3]; 2];
             for k in 0..3 {
                 for i in 0..2 {
@@ -142,7 +154,7 @@ impl Stiffness {
                     }
                 }
             }
-            let (profiles, tilt) = polygon.closing(&places, &heights, *forms);
+            let (profiles, tilt) = polygon.closing(&places, &heights, *curved);
             let moved = profiles.with_gradients(moving);
             let moments = profiles.moments_with_derivatives(polygon.vertices(), &weights);
             moved.forces_into(&moments, &weights, &mut forces);
@@ -179,7 +191,7 @@ impl Stiffness {
         if let (Some((tilts, _)), Some((_, tilt)), Some((closing, moments))) = (tilts, &plain, &closing) {
             let tilting = closing.tilting(moments);
             tilts.add(&tilting, TILTS, &moved, passed.as_ref());
-            let by_stretches = [-closing.secondary(moments), -tilt.closed(tilting, 2.0)];
+            let by_stretches = [-closing.secondary(moments), -tilt.closed(&tilting, 1)];
             self.stretches.add(&by_stretches, STRETCHES, &moved, passed.as_ref());
             self.second[0] += by_stretches[0].re;
         }
@@ -187,7 +199,7 @@ impl Stiffness {
 
     /// Adds what follows from the tilt of a primary triangle with the given corners.
     #[inline(always)]
-    fn add_tilts(&mut self, view: &View<f64>, triangle: [usize; 3], tilts: &Sums<3>) {
+    fn add_tilts(&mut self, view: &View<f64>, triangle: [usize; 3], tilts: &Sums<POLYNOMIALS>) {
         let places = triangle.map(|point| view.p[point]);
         let sides = sides(&places);
         let area = sides[0][0] * sides[1][1] - sides[0][1] * sides[1][0];
@@ -200,13 +212,16 @@ impl Stiffness {
         }
         let [a, b, c] = &unknowns;
         let moved_area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-        let forces = Tilt::new(shape_gradients(&unknowns, moved_area), &heights).forces(tilts.sums.map(OfTilt::from));
+        let forces = Tilt::new(shape_gradients(&unknowns, moved_area), &heights).forces(&tilts.sums.map(OfTilt::from));
         let plain = Tilt::new(shape_gradients(&places, area), &triangle.map(|point| view.h[point]));
-        let [height, first, second] = tilts.sums;
-        self.second[1] -= plain.closed(tilts.sums, 4.0);
-        let of_stretch = plain.forces([height, 2.0 * first, 2.0 * second]);
-        // Derivatives of the tilt with respect to plane coordinates and heights.
-        let of_tilt = plain.forces([0, 1, 2].map(|k| Each([0, 1, 2].map(|other| if other == k { 1.0 } else { 0.0 }))));
+        self.second[1] -= plain.closed(&tilts.sums, 2);
+        let mut by_stretch = tilts.sums;
+        by_stretch.iter_mut().zip(DEGREES).for_each(|(sum, degree)| *sum *= degree);
+        let of_stretch = plain.forces(&by_stretch);
+        // Derivatives of the factors with respect to plane coordinates and heights.
+        let mut units: PerPolynomial<Each<POLYNOMIALS>> = [Each([0.0; POLYNOMIALS]); POLYNOMIALS];
+        (0..POLYNOMIALS).for_each(|u| units[u].0[u] = 1.0);
+        let of_tilt = plain.forces(&units);
         for k in 0..3 {
             for i in 0..3 {
                 let row = 3 * triangle[k] + i;
@@ -216,11 +231,16 @@ impl Stiffness {
                 for lane in 0..9 {
                     self.rows[row][3 * triangle[lane / 3] + lane % 3] += force.eps[lane];
                 }
-                for (u, by) in by.into_iter().enumerate() {
+                let (mut along, mut across) = ([0.0; SEEN], [0.0; SEEN]);
+                for u in 0..POLYNOMIALS {
                     for column in 0..SEEN {
-                        self.rows[row][column] += by * tilts.rows[u][column];
-                        self.rows[column][row] += by * (tilts.rows[u][column] + tilts.passed[u][column]);
+                        along[column] += by[u] * tilts.rows[u][column];
+                        across[column] += by[u] * (tilts.rows[u][column] + tilts.passed[u][column]);
                     }
+                }
+                for column in 0..SEEN {
+                    self.rows[row][column] += along[column];
+                    self.rows[column][row] += across[column];
                 }
             }
         }
@@ -307,7 +327,7 @@ impl Stiffness {
                 }
             }
             let inverse = (stretched.by * stretched.by).recip();
-            let coefficients = curves.profiles[side].stretch.coefficients(count);
+            let coefficients = curves.of_nodes[side].coefficients(count);
             for a in 0..count {
                 for b in 0..count {
                     for i in 0..3 {
@@ -391,11 +411,14 @@ impl Kernel for Hessian<'_> {
                 let mut tilts = Sums::NONE;
                 let mut triangle = None;
                 for polygon in self.polygons.iter().filter(|polygon| polygon.corners[1][1] == start) {
-                    let Some(forms) = view.forms(&polygon.corners) else { continue };
-                    stiffness.add(&self, polygon, &mut moving, Some((&mut tilts, forms)));
+                    let Some(curved) = view.curved(&polygon.corners) else { continue };
+                    stiffness.add(&self, polygon, &mut moving, Some((&mut tilts, curved)));
                     triangle = Some(polygon.corners[1]);
                 }
-                triangle.into_iter().for_each(|triangle| stiffness.add_tilts(view, triangle, &tilts));
+                // No closure, which would be compiled without the wide registers.
+                if let Some(triangle) = triangle {
+                    stiffness.add_tilts(view, triangle, &tilts);
+                }
             }
         } else {
             for polygon in self.polygons {

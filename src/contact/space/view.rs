@@ -1,10 +1,12 @@
 //! Projection of a facet pair in space along the secondary normal: plane coordinates and heights of its points.
 
 use std::ops::Mul;
+use std::sync::Arc;
 
+use super::closing::Heights;
 use super::forms::{Form, turned};
-use super::profiles::Profile;
-use super::stretch::Stretched;
+use super::quartic::{Closed, FLAT};
+use super::stretch::{Stretch, Stretched};
 use super::vectors::{FacetFrame, Vec3, cross, diagonal_ends, dot, scaled, sub};
 use super::vertices::{CORNERS, NODES, PerTriangle};
 use crate::contact::numbers::Number;
@@ -30,7 +32,12 @@ pub struct View<T> {
 
 /// Height profiles of both facets of a pair in a configuration, and the stretches of the facets.
 pub struct Curves {
-    pub profiles: [Profile; 2],
+    /// Heights of second degree over the triangles of both facets.
+    pub forms: [[Form; 4]; 2],
+    /// Polynomials of the gap that the primary facet closes in the reference configuration; `None` for a flat facet.
+    pub closed: Option<Arc<[Closed; 4]>>,
+    /// Functions of the node positions that give the stretches of both facets.
+    pub of_nodes: [Stretch; 2],
     pub stretches: [Stretched<f64>; 2],
 }
 
@@ -97,10 +104,21 @@ impl<T: Number> View<T> {
     /// Height profiles of a secondary and a primary triangle, given by their corners; `None` if both facets are flat.
     #[inline(always)]
     pub fn forms(&self, [[first, ..], [_, second, _]]: &PerTriangle<usize>) -> Option<[Form; 2]> {
-        let [own, other] = &self.curves.as_ref()?.profiles;
+        let [own, other] = &self.curves.as_ref()?.forms;
         // A triangle has the index of the facet's corner at which it starts; primary triangles are listed with this corner as the second
         // one.
-        Some([*own.form(*first), turned(other.form(second - self.counts[0]))])
+        Some([own[*first], turned(&other[second - self.counts[0]])])
+    }
+
+    /// Heights in the gap between a secondary and a primary triangle, given by their corners; `None` if both facets are flat.
+    #[inline(always)]
+    pub fn curved(&self, [[first, ..], [_, second, _]]: &PerTriangle<usize>) -> Option<Heights<'_>> {
+        let Curves { forms: [own, _], closed, stretches, .. } = self.curves.as_ref()?;
+        let closed = match closed {
+            Some(closed) => &closed[second - self.counts[0]],
+            None => &FLAT,
+        };
+        Some(Heights { own: own[*first], closed, stretch: stretches[1].by })
     }
 
     /// Plane coordinates of the corners of both triangles.
