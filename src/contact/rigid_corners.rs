@@ -44,9 +44,9 @@ pub struct RigidCorners {
 
 impl RigidCorners {
     /// Contact of the obstacle's points with a surface: corners of a polyline, the center of a disk with a radius up to `LARGE`, sharp
-    /// vertices and edges in space, the center of a small sphere, the tip of a cone; `None` without any. `facet_size` is that of the whole
-    /// contact.
-    pub fn new(surface: &Surface, obstacle: &Obstacle, reference: &[f64], facet_size: f64) -> Option<Self> {
+    /// vertices and edges in space, the center of a small sphere, the tip of a cone; `None` without any. The points of the surface are at
+    /// `reference`, in space without the rise that represents faces of second order at `curve`. `facet_size` is that of the whole contact.
+    pub fn new(surface: &Surface, obstacle: &Obstacle, [reference, curve]: [&[f64]; 2], facet_size: f64) -> Option<Self> {
         let dimension = surface.dimension();
         let first = (reference.len() / dimension) as u32;
         let with = |points: &[f64]| -> Vec<f64> { reference.iter().chain(points).copied().collect() };
@@ -69,7 +69,7 @@ impl RigidCorners {
             }
             Obstacle::InSpace(shape) => {
                 let ball = |center: &[f64; 3], radius: f64| {
-                    (center.to_vec(), CornersInSpace::of_ball(surface.clone(), first, radius, &with(center), facet_size))
+                    (center.to_vec(), CornersInSpace::of_ball(surface.clone(), (first, radius), &with(center), curve, facet_size))
                 };
                 let is_small = || shape.is_small(surface, reference, facet_size);
                 match shape {
@@ -77,7 +77,7 @@ impl RigidCorners {
                         let triangles: Vec<[u32; 3]> = facets.triangles().iter().map(|nodes| nodes.map(|node| first + node)).collect();
                         let of_obstacle = Surface::in_space(triangles.iter().map(|nodes| &nodes[..]));
                         let points = facets.points().as_flattened().to_vec();
-                        let inner = CornersInSpace::of_obstacle(surface.clone(), of_obstacle, &with(&points), facet_size)?;
+                        let inner = CornersInSpace::of_obstacle(surface.clone(), of_obstacle, &with(&points), curve, facet_size)?;
                         (points, inner)
                     }
                     ObstacleInSpace::Sphere { center, radius, .. } if is_small() => ball(center, *radius),

@@ -292,7 +292,7 @@ mod tests {
     fn in_plane(q_0: &[f64], of_points: bool) -> TurningContact {
         let obstacle = Obstacle::Polyline { points: vec![[-1.0, -1.0], [1.0, -0.8], [0.2, 0.1], [0.1, 1.0], [-1.0, -1.0]] };
         let inner: Box<dyn ContactKernel> = if of_points {
-            Box::new(RigidCorners::new(&Surface::new(&[[0, 1]]), &obstacle, q_0, 1.0).expect("a polyline has corners"))
+            Box::new(RigidCorners::new(&Surface::new(&[[0, 1]]), &obstacle, [q_0, q_0], 1.0).expect("a polyline has corners"))
         } else {
             rigid_contact(Surface::new(&[[0, 1]]), &obstacle, q_0, Default::default())
         };

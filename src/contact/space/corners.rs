@@ -83,6 +83,8 @@ pub struct CornersInSpace {
     warps: [Vec<f64>; 2],
     /// Unevenness of the points (`ProxySurfacesInSpace::unevenness`).
     uneven: f64,
+    /// Heights by which secondary facets stand out of a surface of second order, against obstacles `[length]`; empty: 0.
+    pub(super) rises: Vec<f64>,
     /// Offset added to the gap of each contact element `[length]`.
     clearances: Vec<f64>,
     /// Data of constraints for all secondary nodes (node-to-segment method, `nodes.rs`); `None` if only sharp features have constraints.
@@ -141,6 +143,7 @@ impl CornersInSpace {
             profiles: Default::default(),
             warps: Default::default(),
             uneven: 0.0,
+            rises: Vec::new(),
             clearances: Vec::new(),
             of_nodes: None,
         }
@@ -182,11 +185,8 @@ impl CornersInSpace {
     /// Overlap of the features of touching curved surfaces `[length]`. Middles of facets lie above a hollow surface by up to 1.5 mean
     /// heights; points of a convex surface are raised by its mean height, those of second order unevenly, and meet hollow vertices.
     fn clearance(&self, kind: Kind) -> f64 {
-        // Facets that meet at large angles, as on a sphere with four facets around, have no profile of a curve.
-        let raised = |profiles: &Profiles, facets: &[u32], points: f64| match profiles.raised_by(facets) {
-            0.0 => points,
-            by_profile => by_profile,
-        };
+        // Coarse facets, as on a sphere with four facets around, stand out farther than by their profiles, or have none.
+        let raised = |profiles: &Profiles, facets: &[u32], points: f64| profiles.raised_by(facets).max(points);
         match kind {
             Kind::Vertex { vertex, .. } if let Some(rows) = &self.of_nodes => -rows.heights[vertex],
             Kind::Vertex { side, vertex, facet } => {
@@ -195,7 +195,8 @@ impl CornersInSpace {
                 let (hollow, other) = (self.profiles[side].hollow(around), &self.profiles[1 - side]);
                 let is_hollow = self.uneven > 0.0 && hollow > 0.0;
                 let met = if is_hollow { self.uneven * hollow + other.raised_points(facet as u32) } else { 0.0 };
-                let of_facet = self.warps[1 - side].get(facet).copied().unwrap_or(0.0) + other.hollow(&[facet as u32]);
+                let rise = self.rises.get(facet).copied().filter(|_| side == 1).unwrap_or(0.0);
+                let of_facet = self.warps[1 - side].get(facet).copied().unwrap_or(0.0) + other.hollow(&[facet as u32]) + rise;
                 of_facet + raised(&self.profiles[side], around, vertex.raised) + met
             }
             Kind::Edges(edges) => {

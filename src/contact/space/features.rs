@@ -137,16 +137,25 @@ impl Features {
 impl Features {
     /// The features of a surface whose points at `reference` represent those of a surface of second order at `curve`.
     pub fn raised(mut self, surface: &Surface, reference: &[f64], curve: &[f64]) -> Features {
-        let height = |node: u32| {
-            let around = surface.index(node).map_or(&[][..], |index| surface.adjacent_facets(index));
-            let normal = around.iter().map(|&facet| faces::normal(surface.facet(facet as usize), curve)).sum::<Vector>();
-            let rise = faces::at(node, reference) - faces::at(node, curve);
-            normal.try_normalize(0.0).map_or(0.0, |normal| normal.dot(&rise).max(0.0))
-        };
+        let height = |node: u32| rise(surface, node, reference, curve);
         self.vertices.iter_mut().for_each(|vertex| vertex.raised = height(vertex.node));
         self.edges.iter_mut().for_each(|edge| edge.raised = edge.nodes.map(height).into_iter().fold(0.0, f64::max));
         self
     }
+}
+
+/// Height of a point at `reference`, which represents a surface of second order, over the point of that surface at `curve`, at least 0.
+fn rise(surface: &Surface, node: u32, reference: &[f64], curve: &[f64]) -> f64 {
+    let around = surface.index(node).map_or(&[][..], |index| surface.adjacent_facets(index));
+    let normal = around.iter().map(|&facet| faces::normal(surface.facet(facet as usize), curve)).sum::<Vector>();
+    let rise = faces::at(node, reference) - faces::at(node, curve);
+    normal.try_normalize(0.0).map_or(0.0, |normal| normal.dot(&rise).max(0.0))
+}
+
+/// Largest [`rise`] of the nodes of each facet.
+pub fn rises(surface: &Surface, reference: &[f64], curve: &[f64]) -> Vec<f64> {
+    let of = |facet| surface.facet(facet).iter().fold(0.0, |most: f64, &node| most.max(rise(surface, node, reference, curve)));
+    (0..surface.count()).map(of).collect()
 }
 
 /// Bumps: ends of convex edges on a surface that is not curved.

@@ -67,7 +67,7 @@ pub struct ProxySurfacesInSpace<'a> {
     /// Reference positions of the nodes or points between which facets lie `[length]`.
     pub reference: Cow<'a, [f64]>,
     /// Reference positions of those points of the curved surface that the nodes or points represent `[length]`.
-    pub(super) curve: Cow<'a, [f64]>,
+    pub curve: Cow<'a, [f64]>,
     /// For ties: a node inside of the body behind each primary facet; otherwise empty.
     pub inner: Vec<u32>,
     /// Height profiles of the facets of both sides.

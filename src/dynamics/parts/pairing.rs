@@ -290,7 +290,7 @@ impl Pairing<'_> {
             }
             if let Partner::Obstacle { shape: obstacle @ Obstacle::InSpace(shape), turn, .. } = &interaction.partner {
                 let surfaces = self.in_space(interaction, &self.round.nodes_inside(interaction));
-                if let Some(kernel) = RigidCorners::new(&surfaces.secondary, obstacle, &surfaces.reference, size(of)) {
+                if let Some(kernel) = RigidCorners::new(&surfaces.secondary, obstacle, [&surfaces.reference, &surfaces.curve], size(of)) {
                     let kernel = self.turning(turn, surfaces.on_nodes(Box::new(kernel), false));
                     add(of, PairKind::Obstacle, interaction.secondary.body, SLACK_IN_SPACE, kernel);
                 }
@@ -316,7 +316,7 @@ impl Pairing<'_> {
                 facets.retain(|facet| avoids(facet, &inside));
                 let surfaces = self.middles.surfaces([&facets, &[]], self.reference, RowsOf::Facets);
                 let surface = Surface::new(&surfaces.secondary);
-                if let Some(kernel) = RigidCorners::new(&surface, shape, &surfaces.reference, size(of)) {
+                if let Some(kernel) = RigidCorners::new(&surface, shape, [&surfaces.reference; 2], size(of)) {
                     let slack = RigidCorners::slack(shape, size(of));
                     let kernel = self.turning(turn, surfaces.on_nodes(Box::new(kernel)));
                     add(of, PairKind::Obstacle, interaction.secondary.body, slack, kernel);
