@@ -79,12 +79,11 @@ pub struct CornersInSpace {
     pub(super) slots: usize,
     /// Height profiles of the facets of both sides.
     profiles: [Profiles; 2],
-    /// Reference warp of each facet of both sides, half the height difference of its nodes; 0 on curved surfaces `[length]`.
-    warps: [Vec<f64>; 2],
+    /// Height by which each facet of both sides stands out: half the height difference of its nodes (0 on curved surfaces), against
+    /// obstacles its height over a surface of second order `[length]`.
+    pub(super) heights: [Vec<f64>; 2],
     /// Unevenness of the points (`ProxySurfacesInSpace::unevenness`).
     uneven: f64,
-    /// Heights by which secondary facets stand out of a surface of second order, against obstacles `[length]`; empty: 0.
-    pub(super) rises: Vec<f64>,
     /// Offset added to the gap of each contact element `[length]`.
     clearances: Vec<f64>,
     /// Data of constraints for all secondary nodes (node-to-segment method, `nodes.rs`); `None` if only sharp features have constraints.
@@ -104,7 +103,7 @@ impl CornersInSpace {
         let facet_size = secondary.shortest_facet(reference).min(primary.shortest_facet(reference));
         // Gaps to facets of a curved surface are measured to the curve. A curved surface can be a pure twist within a facet, with zero
         // height over it; such facets are recognized by the heights of their neighbors.
-        let warps = [(secondary, &profiles[0]), (primary, &profiles[1])].map(|(side, profiles)| {
+        let heights = [(secondary, &profiles[0]), (primary, &profiles[1])].map(|(side, profiles)| {
             let is_flat = |node: u32| {
                 let around = side.index(node).map_or(&[][..], |index| side.adjacent_facets(index));
                 around.iter().all(|&facet| profiles.height(facet as usize) == 0.0)
@@ -113,7 +112,7 @@ impl CornersInSpace {
             (0..side.count()).map(|facet| warp(side.facet(facet))).collect()
         });
         let made = CornersInSpace::new(secondary.clone(), primary.clone(), features, reference, facet_size);
-        Some(Box::new(CornersInSpace { profiles, warps, uneven: seen.unevenness(), ..made }))
+        Some(Box::new(CornersInSpace { profiles, heights, uneven: seen.unevenness(), ..made }))
     }
 
     pub(super) fn new(secondary: Surface, primary: Surface, features: [Features; 2], reference: &[f64], facet_size: f64) -> Self {
@@ -141,9 +140,8 @@ impl CornersInSpace {
             radius: 0.0,
             slots: SLOTS,
             profiles: Default::default(),
-            warps: Default::default(),
+            heights: Default::default(),
             uneven: 0.0,
-            rises: Vec::new(),
             clearances: Vec::new(),
             of_nodes: None,
         }
@@ -195,8 +193,7 @@ impl CornersInSpace {
                 let (hollow, other) = (self.profiles[side].hollow(around), &self.profiles[1 - side]);
                 let is_hollow = self.uneven > 0.0 && hollow > 0.0;
                 let met = if is_hollow { self.uneven * hollow + other.raised_points(facet as u32) } else { 0.0 };
-                let rise = self.rises.get(facet).copied().filter(|_| side == 1).unwrap_or(0.0);
-                let of_facet = self.warps[1 - side].get(facet).copied().unwrap_or(0.0) + other.hollow(&[facet as u32]) + rise;
+                let of_facet = self.heights[1 - side].get(facet).copied().unwrap_or(0.0) + other.hollow(&[facet as u32]);
                 of_facet + raised(&self.profiles[side], around, vertex.raised) + met
             }
             Kind::Edges(edges) => {

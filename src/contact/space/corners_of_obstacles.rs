@@ -23,7 +23,7 @@ impl CornersInSpace {
         }
         let rises = rises(&surface, positions, curve);
         let mut made = CornersInSpace::new(surface, obstacle, features, positions, facet_size);
-        (made.has_nodal_rows, made.rises) = (true, rises);
+        (made.has_nodal_rows, made.heights[0]) = (true, rises);
         Some(Box::new(made))
     }
 
@@ -43,7 +43,7 @@ impl CornersInSpace {
         let mut made = CornersInSpace::new(surface, Surface::in_space([&[center][..]]), features, positions, facet_size);
         made.slots = if radius > 0.0 && radius <= OF_BALL.1 * facet_size { OF_BALL.0 } else { SLOTS };
         made.sides.weights.resize(made.slots * made.owners.count(), facet_size * facet_size);
-        (made.has_nodal_rows, made.radius, made.rises) = (true, radius, rises);
+        (made.has_nodal_rows, made.radius, made.heights[0]) = (true, radius, rises);
         Box::new(made)
     }
 }

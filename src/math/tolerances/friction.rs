@@ -42,8 +42,8 @@ pub const LEAST_STICKING_COMPLIANCE_RATIO: f64 = 1e-4;
 /// below which the sweeps end; the next step corrects the rest.
 pub const PUSHED: f64 = 1e-12;
 
-/// Energy that an impact would give to rigid bodies, relative to the energy scale, above which the impulses of the step are kept: such a gain
-/// comes from impulses that friction and joints balance in the step, but not at its end.
+/// Energy that an impact would give to rigid bodies, relative to the energy scale, above which the impulses of the step are kept: such a
+/// gain comes from impulses that friction and joints balance in the step, but not at its end.
 pub const JAMMED: f64 = 1e-6;
 
 /// Velocity by an impulse on a rigid body relative to that of a free body with the mass of the model, below which the body counts as held:
