@@ -212,21 +212,26 @@ impl SlipRow<'_> {
         (1f64.copysign(self.rest), if self.pressed.is_clear(size) { size } else { 0.0 })
     }
 
-    /// Dry trial multiplier, for a constraint that sticks from the present iterate on.
-    fn trial(&self) -> f64 {
-        self.dry() - self.pressed.c * self.slip
+    /// Multiplier per slip in the trial multiplier: `c` beyond the film, whose part would otherwise count as a force that makes it stick.
+    fn pace(&self) -> f64 {
+        self.pressed.c + self.film()
     }
 
-    /// State and multiplier on the graph with this limit, at the point nearest to the present slip and multiplier in the metric of `c`.
+    /// Dry trial multiplier, for a constraint that sticks from the present iterate on.
+    fn trial(&self) -> f64 {
+        self.dry() - self.pace() * self.slip
+    }
+
+    /// State and multiplier on the graph with this limit, at the point nearest to the present slip and multiplier in the metric of `pace`.
     fn nearest(&self, limit: f64) -> (RowState, f64) {
-        let (sense, rest) = self.stop();
+        let ((sense, rest), c) = (self.stop(), self.pace());
         let z = -sense * self.trial();
         let (state, s) = match z {
             _ if z < -limit => (RowState::sliding(sense), -limit),
             _ if rest == 0.0 && z <= limit => (RowState::Closed, z),
             _ if z <= 0.0 => (RowState::Closed, z),
-            _ if z < self.pressed.c * rest => (RowState::Turns, 0.0),
-            _ if z <= self.pressed.c * rest + limit => (RowState::Stops, z - self.pressed.c * rest),
+            _ if z < c * rest => (RowState::Turns, 0.0),
+            _ if z <= c * rest + limit => (RowState::Stops, z - c * rest),
             _ => (RowState::sliding(-sense), limit),
         };
         (state, -sense * s)

@@ -18,7 +18,8 @@
 //! (Alart and Curnier, CMAME 92, 1991, for `r = 0`). With the stiffness `kappa` of the node in the step, a multiplier of `kappa`
 //! corresponds to a unit slip. Along `z` and perpendicular to it the equation is divided by `n + (1 - n) kappa/c` with the derivative `n`
 //! in that direction, so that equations of slipping constraints have entries of order one for every step size. The residual uses a constant
-//! `c`; iterations use `max(c, 0.1 kappa)`, because with a small `c` relative to `kappa` the trial depends on multipliers only.
+//! `c`; iterations use `max(c, 0.1 kappa)`, because with a small `c` relative to `kappa` the trial depends on multipliers only. To both the
+//! film constant `F` is added: without it a slip `u` with `|F u| > |c u|` has a trial that sticks.
 
 use super::friction_rows::NormalState;
 use super::laws::{Equation, RowState};
@@ -88,9 +89,10 @@ impl SlipVector<'_> {
         plus(self.lambda, self.film(), self.slip)
     }
 
-    /// Multiplier per slip `c` in the trial multiplier of an iteration.
+    /// Multiplier per slip `c` in the trial multiplier of an iteration, beyond the film, whose part would otherwise count as a force that
+    /// makes the constraint stick.
     fn pace(&self) -> f64 {
-        self.pressed.c.max(tolerances::TRIAL_STIFFNESS * self.pressed.stiffness)
+        self.pressed.c.max(tolerances::TRIAL_STIFFNESS * self.pressed.stiffness) + self.film()
     }
 
     /// Trial multiplier `z = s - c u`.
@@ -149,11 +151,11 @@ impl SlipVector<'_> {
 
     /// Natural residual as a slip, and its energy.
     pub fn residual(&self) -> (f64, f64) {
-        let (c, limit) = (self.pressed.c, self.limit(self.slip).shear);
+        let (c, limit) = (self.pressed.c + self.film(), self.limit(self.slip).shear);
         let off = plus(self.dry(), -1.0, self.map(c, self.nearest(c, limit), limit).value);
         let of_slip = tolerances::SLIP_ROUND_OFF * self.pressed.tolerance * self.pressed.stiffness;
         let noise = tolerances::SLIP_NOISE * (limit + size(self.lambda)) + of_slip;
-        ((size(off) - noise).max(0.0) / c, dot(off, self.slip))
+        ((size(off) - noise).max(0.0) / self.pressed.c, dot(off, self.slip))
     }
 
     /// Equations of the constraints in a state; those beyond the number of constraints are inactive.

@@ -17,6 +17,7 @@ use crate::dynamics::parts::contact_pair::PairKind;
 use crate::dynamics::parts::rigid_body::RigidBody;
 use crate::dynamics::step::equations::Equations;
 use crate::dynamics::step::iterate::Forces;
+use crate::math::norms::largest_size;
 use crate::math::tolerances;
 
 /// Displacement relative to the model extent by which the resistance of force elements is tested; small, so that no spring reaches its rest
@@ -66,7 +67,7 @@ pub struct Imbalance {
     pub of_nodes: f64,
     /// True if round-off can explain the whole imbalance.
     pub is_round_off: bool,
-    /// True if neither loads nor contacts act, and displacements of the given size explain the whole imbalance.
+    /// True if no displacement exceeds round-off of the first ones, which explains the whole imbalance, and neither loads nor contacts act.
     pub is_returned: bool,
     pub components: Vec<UnbalancedForce>,
 }
@@ -176,7 +177,8 @@ impl Balance {
     where
         Space<D>: Elements<D>,
     {
-        let mut imbalance = Imbalance { of_sums: 0.0, of_nodes: 0.0, is_round_off: true, is_returned: true, components: Vec::new() };
+        let is_returned = largest_size(u) <= returned;
+        let mut imbalance = Imbalance { of_sums: 0.0, of_nodes: 0.0, is_round_off: true, is_returned, components: Vec::new() };
         let mut motions: Vec<RigidMotions<D>> =
             self.components.iter().map(|component| RigidMotions::new(equations, &component.nodes, q)).collect();
         self.weigh(equations, q, &mut motions);

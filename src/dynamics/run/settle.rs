@@ -137,8 +137,7 @@ where
             if present.is_closed && progress.has_only_ripples(present.imbalance.excess()) {
                 break present.at;
             }
-            let has_returned = present.imbalance.is_returned && largest_size(&present.displacements) <= progress.returned;
-            if present.is_closed && has_returned {
+            if present.is_closed && present.imbalance.is_returned {
                 break present.at;
             }
             if present.is_closed && self.gains_nothing(&present.imbalance, &mut progress.best) {

@@ -101,8 +101,12 @@ impl SimulationHandle {
         let units = "use one set of units for all: N, m, kg and s with stresses in N/m^2, or N, mm, t and s with stresses in N/mm^2";
         for (index, body) in model.bodies.iter().enumerate().filter(|(_, body)| body.rigid.is_none()) {
             let modulus = body.material.youngs_modulus();
-            let height = diameter(body.mesh.points.iter());
-            let weight = body.material.density() * size(model.gravity) * height / modulus;
+            // Gravity times the height of the body along it.
+            let along = |x: &[f64; 3]| (0..3).map(|i| model.gravity[i] * x[i]).sum::<f64>();
+            let [low, high] = body.mesh.points.iter().map(along).fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], x| [a.min(x), b.max(x)]);
+            let weight = body.material.density() * (high - low) / modulus;
+            // Side of a square or cube of this size.
+            let side = diameter(body.mesh.points.iter()) / (body.mesh.dimension() as f64).sqrt();
             if weight > CRUSHES {
                 return Some(format!(
                     "the weight of body \"{}\" alone presses it by {weight:.0e} times Young's modulus: {units}",
@@ -113,7 +117,7 @@ impl SimulationHandle {
                 let stress = match load.kind {
                     LoadKind::Traction(vector) => size(vector),
                     LoadKind::Pressure(pressure) => pressure.abs(),
-                    LoadKind::Force(vector) => size(vector) / height.powi(body.mesh.dimension() as i32 - 1),
+                    LoadKind::Force(vector) => size(vector) / side.powi(body.mesh.dimension() as i32 - 1),
                     LoadKind::Torque(_) => 0.0,
                 };
                 let part = stress * load.amplitude.value(time).map_or(0.0, f64::abs) / modulus;
