@@ -65,6 +65,10 @@ impl FrictionLaw for Coulomb {
         }
     }
 
+    fn impact(&self, at: SlipState) -> f64 {
+        Coulomb { adhesion: 0.0, ..self.clone() }.limit(at).shear / at.pressure
+    }
+
     fn film(&self) -> f64 {
         self.viscosity
     }

@@ -36,6 +36,12 @@ pub trait FrictionLaw: fmt::Debug + Send + Sync {
     /// Largest shear stress, never negative.
     fn limit(&self, at: SlipState) -> Limit;
 
+    /// Largest ratio of tangential to normal impulses of an impact with this positive pressure during a step. A shear stress that remains
+    /// without pressure, as of adhesion, has no impulse.
+    fn impact(&self, at: SlipState) -> f64 {
+        self.limit(at).shear / at.pressure
+    }
+
     /// Film shear stress per slip speed, added to dry friction and opposite to the slip `[stress time/length]`.
     fn film(&self) -> f64 {
         0.0

@@ -9,6 +9,7 @@ use crate::contact::{FrictionLaw, Limit, ROUGH, SlipState};
 use crate::dynamics::model::amplitude::TimeFunctionError;
 use crate::dynamics::model::interactions::{Coefficient, Friction};
 use crate::linear::Block;
+use crate::math::norms::length;
 use crate::math::tolerances;
 
 /// Tangential constraints of a pair.
@@ -141,8 +142,7 @@ impl NormalState<'_> {
     /// Largest dry multiplier at the speed of a slip of this size, with its derivatives with respect to the normal multiplier and to the
     /// size.
     pub fn limit(&self, slip: f64) -> Limit {
-        let (pressure, speed) = (self.normal.max(0.0) / self.around, self.lagged.unwrap_or(slip * self.speed));
-        let limit = self.law.limit(SlipState { coefficient: self.coefficient, pressure, speed });
+        let limit = self.law.limit(self.state(slip));
         let by_slip = if self.lagged.is_some() { 0.0 } else { self.around * self.speed };
         // Beyond the bearing limit of the lubricant film its shear stress is proportional to the pressure, like dry friction.
         let film = if self.is_film_at(slip) { 0.0 } else { ROUGH };
@@ -153,6 +153,28 @@ impl NormalState<'_> {
             by_pressure: limit.by_pressure + by_pressure,
             by_speed: limit.by_speed * by_slip,
         }
+    }
+
+    fn state(&self, slip: f64) -> SlipState {
+        let speed = self.lagged.unwrap_or(slip * self.speed);
+        SlipState { coefficient: self.coefficient, pressure: self.normal.max(0.0) / self.around, speed }
+    }
+
+    /// Ratios of tangential to normal impulses of an impact at the end of the step: as of these tangential multipliers, without the parts
+    /// of film and adhesion.
+    pub fn impulse_ratios(&self, lambda: [f64; 3], slip: f64) -> [f64; 3] {
+        if self.normal <= 0.0 {
+            return [0.0; 3];
+        }
+        let ratios = lambda.map(|lambda| lambda / self.normal);
+        let most = self.law.impact(self.state(slip)) / length(ratios).max(f64::MIN_POSITIVE);
+        ratios.map(|ratio| ratio * most.min(1.0))
+    }
+
+    /// Multiplier per slip `c` in the trial multiplier of an iteration. With a small `c` relative to the stiffness of the node the trial
+    /// depends on multipliers only, and the film would count as a force that makes the constraint stick.
+    pub fn pace(&self, slip: f64) -> f64 {
+        self.c.max(tolerances::TRIAL_STIFFNESS * self.stiffness) + self.film(slip)
     }
 
     /// Multiplier of the lubricant film (viscous friction) per slip of this size; 0 beyond the bearing limit of the film.
@@ -212,20 +234,15 @@ impl SlipRow<'_> {
         (1f64.copysign(self.rest), if self.pressed.is_clear(size) { size } else { 0.0 })
     }
 
-    /// Multiplier per slip in the trial multiplier: `c` beyond the film, whose part would otherwise count as a force that makes it stick.
-    fn pace(&self) -> f64 {
-        self.pressed.c + self.film()
+    /// Dry trial multiplier `s - c slip`, for a constraint that sticks from the present iterate on.
+    fn trial(&self, c: f64) -> f64 {
+        self.dry() - c * self.slip
     }
 
-    /// Dry trial multiplier, for a constraint that sticks from the present iterate on.
-    fn trial(&self) -> f64 {
-        self.dry() - self.pace() * self.slip
-    }
-
-    /// State and multiplier on the graph with this limit, at the point nearest to the present slip and multiplier in the metric of `pace`.
-    fn nearest(&self, limit: f64) -> (RowState, f64) {
-        let ((sense, rest), c) = (self.stop(), self.pace());
-        let z = -sense * self.trial();
+    /// State and multiplier on the graph with this limit, at the point nearest to the present slip and multiplier in the metric of `c`.
+    fn nearest(&self, c: f64, limit: f64) -> (RowState, f64) {
+        let (sense, rest) = self.stop();
+        let z = -sense * self.trial(c);
         let (state, s) = match z {
             _ if z < -limit => (RowState::sliding(sense), -limit),
             _ if rest == 0.0 && z <= limit => (RowState::Closed, z),
@@ -247,10 +264,11 @@ impl SlipRow<'_> {
         if self.is_held {
             return self.held();
         }
-        let (limit, trial) = (self.limit(self.slip).shear, self.trial());
+        let (c, limit) = (self.pressed.pace(self.slip.abs()), self.limit(self.slip).shear);
+        let trial = self.trial(c);
         // Constraints without pressure and motion start sticking.
         match limit > 0.0 || (trial == 0.0 && self.pressed.normal <= 0.0) {
-            true => self.nearest(limit).0,
+            true => self.nearest(c, limit).0,
             false => RowState::sliding(trial),
         }
     }
@@ -261,7 +279,7 @@ impl SlipRow<'_> {
         let off = match self.is_held {
             true if self.pressed.is_clear(self.slip.abs()) => self.dry() + limit * self.slip.signum(),
             true => self.lambda - self.lambda.clamp(-limit, limit),
-            false => self.dry() - self.nearest(limit).1,
+            false => self.dry() - self.nearest(self.pressed.c + self.film(), limit).1,
         };
         (off / self.pressed.c, off * self.slip)
     }

@@ -3,6 +3,7 @@
 use super::friction_rows::SlipRow;
 use super::laws::{Equation, RowState};
 use super::slip_vector::SlipVector;
+use crate::math::norms::length;
 
 /// Tangential constraints of a group at an iterate.
 pub enum SlipGroup<'a> {
@@ -34,6 +35,14 @@ impl SlipGroup<'_> {
         match self {
             SlipGroup::Row(row) => (row.lambda / row.pressed.c, row.lambda * row.slip),
             SlipGroup::Vector(rows) => rows.excess(),
+        }
+    }
+
+    /// Ratios of tangential to normal impulses of an impact at the end of the step.
+    pub fn impulse_ratios(&self) -> [f64; 3] {
+        match self {
+            SlipGroup::Row(row) => row.pressed.impulse_ratios([row.lambda, 0.0, 0.0], row.slip.abs()),
+            SlipGroup::Vector(rows) => rows.pressed.impulse_ratios(rows.lambda, length(rows.slip)),
         }
     }
 

@@ -89,10 +89,9 @@ impl SlipVector<'_> {
         plus(self.lambda, self.film(), self.slip)
     }
 
-    /// Multiplier per slip `c` in the trial multiplier of an iteration, beyond the film, whose part would otherwise count as a force that
-    /// makes the constraint stick.
+    /// Multiplier per slip `c` in the trial multiplier of an iteration.
     fn pace(&self) -> f64 {
-        self.pressed.c.max(tolerances::TRIAL_STIFFNESS * self.pressed.stiffness) + self.film()
+        self.pressed.pace(size(self.slip))
     }
 
     /// Trial multiplier `z = s - c u`.

@@ -21,6 +21,7 @@ use super::engine::Engine;
 use super::velocity_correction::{Ending, VelocityCorrection};
 use crate::bodies::{Elements, Space};
 use crate::dynamics::step::conditions::Conditions;
+use crate::dynamics::step::contact_set::slips_at;
 use crate::dynamics::step::failure::Failure;
 use crate::dynamics::step::newton::Solution;
 use crate::dynamics::step::start::Motion;
@@ -57,7 +58,7 @@ where
         }
         let slips = self.system.slips_at_rest(&solution.at.q_1, &solution.at.pairs);
         let v = motion.velocities(&solution.at.moved, &self.system.supports.prescribed);
-        let mut ratios = self.ratios(solution);
+        let mut ratios = self.ratios(solution, conditions);
         loop {
             let mut jump = VelocityCorrection::none(v.len(), reserve.clone());
             let mut end = Ending { motion, solution, ours: &ours, hold: &hold, v: v.clone(), slips: &slips, ratios: &ratios };
@@ -72,16 +73,13 @@ where
     }
 
     /// Ratios of tangential to normal impulses in a velocity jump: as in this step or, for a constraint that has opened, as in the previous
-    /// step. Obstacles that turn about their own axis, and joints, have none.
-    fn ratios(&self, solution: &Solution) -> Vec<f64> {
+    /// step, without the parts of film and adhesion. Obstacles that turn about their own axis, and joints, have none.
+    fn ratios(&self, solution: &Solution, conditions: &Conditions) -> Vec<f64> {
         let mut ratios = vec![0.0; self.system.multipliers];
-        for pair in self.system.pairs.iter().filter(|pair| !pair.spins_in_place() && pair.reaction.is_none()) {
-            for (row, normal_row) in pair.tangential() {
-                let lambda = if solution.active[normal_row].is_closed() { &solution.at.lambda } else { &self.state.lambda };
-                if lambda[normal_row] > 0.0 {
-                    ratios[row] = lambda[row] / lambda[normal_row];
-                }
-            }
+        for place in slips_at(&self.system, &solution.at).filter(|place| !place.pair.spins_in_place() && place.pair.reaction.is_none()) {
+            let lambda = if solution.active[place.normal_row].is_closed() { &solution.at.lambda } else { &self.state.lambda };
+            let of_group = place.under(conditions, lambda).impulse_ratios();
+            place.rows.clone().zip(of_group).for_each(|(row, ratio)| ratios[row] = ratio);
         }
         ratios
     }

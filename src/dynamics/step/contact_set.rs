@@ -58,7 +58,12 @@ impl<'a> SlipPlace<'a> {
 
     /// Group of tangential constraints at the iterate.
     pub fn at(&self, conditions: &Conditions, at: &Linearization) -> SlipGroup<'a> {
-        self.group(conditions, |row| self.slip.gap[row - self.friction.rows.start], &at.lambda)
+        self.under(conditions, &at.lambda)
+    }
+
+    /// Group of tangential constraints for given multipliers.
+    pub fn under(&self, conditions: &Conditions, lambda: &[f64]) -> SlipGroup<'a> {
+        self.group(conditions, |row| self.slip.gap[row - self.friction.rows.start], lambda)
     }
 
     fn group(&self, conditions: &Conditions, slip: impl Fn(usize) -> f64, lambda: &[f64]) -> SlipGroup<'a> {
