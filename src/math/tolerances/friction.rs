@@ -4,8 +4,8 @@
 /// between stick and slip in an iteration. With 1, steps near rest had to be halved; with 0.01, none.
 pub const TANGENTIAL: f64 = 0.01;
 
-/// Least multiplier per slip of the trial multiplier, relative to the node's stiffness in the step: of 60 random rigid bodies with friction in
-/// space 22 fail with 0.01, 16 with 0.1, 17 with 1.
+/// Least multiplier per slip of the trial multiplier, relative to the node's stiffness in the step: of 60 random rigid bodies with friction
+/// in space 22 fail with 0.01, 16 with 0.1, 17 with 1.
 pub const TRIAL_STIFFNESS: f64 = 0.1;
 
 /// Tangential trial multiplier in space, relative to the friction limit, below which its direction is round-off.
