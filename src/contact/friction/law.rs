@@ -47,6 +47,12 @@ pub trait FrictionLaw: fmt::Debug + Send + Sync {
         0.0
     }
 
+    /// True if a part of the shear stress does not grow with the pressure, as of adhesion or a film: its impulse is proportional to the time
+    /// in contact.
+    fn needs_time(&self) -> bool {
+        self.film() > 0.0 || self.limit(SlipState { coefficient: 0.0, pressure: 1.0, speed: 0.0 }).shear > 0.0
+    }
+
     /// True if the largest shear stress changes with the speed.
     fn depends_on_speed(&self) -> bool;
 

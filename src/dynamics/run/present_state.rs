@@ -70,6 +70,10 @@ pub trait PresentState {
     /// A time function failed.
     fn prescribed_jump(&self) -> Result<Option<(String, f64)>, StepError>;
 
+    /// Contact whose adhesion or film acts for too short a time because its nodes bounce in steps of this size, with the time in which an
+    /// elastic wave crosses a cell `[time]`.
+    fn interrupted_friction(&self) -> Option<(&str, f64)>;
+
     /// Checks that the sides of all contacts are apart or held by contact forces; `settle` includes this check.
     ///
     /// # Errors

@@ -78,6 +78,17 @@ where
         Ok(seen.map(|(one, jump)| (supports.boundary(one).to_string(), jump)))
     }
 
+    fn interrupted_friction(&self) -> Option<(&str, f64)> {
+        let bounces = |pair: &&ContactPair| {
+            let is_deformable = pair.has_multipliers() && pair.restitution.is_none() && pair.is_unilateral();
+            is_deformable && pair.update.keeps_energy && !pair.update.gives_back
+        };
+        let needs_time = |pair: &&ContactPair| pair.friction.as_ref().is_some_and(|friction| friction.law.needs_time());
+        let is_short = self.options.dt < tolerances::BOUNCES * self.sound;
+        let mut pairs = self.system.pairs.iter().filter(bounces).filter(needs_time);
+        pairs.next().filter(|_| is_short).map(|pair| (&*pair.name, self.sound))
+    }
+
     fn check_apart(&self) -> Result<(), StepError> {
         self.check_overlaps(&Closing::of(&self.model))
     }

@@ -106,7 +106,7 @@ impl SimulationHandle {
         }
         self.refuse_nested(call)?;
         let from = self.0.simulation.try_borrow().map_err(|_| busy(call))?.time();
-        self.warn_of_jump(call);
+        self.warn_at_start(call);
         self.begin(call, end)?;
         self.0.advancing.set(true);
         call.host.begin_steps();

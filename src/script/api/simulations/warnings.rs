@@ -92,14 +92,26 @@ impl SimulationHandle {
         host.warn(Diagnostic::warning(title, place).code(finding.code()).cause(cause).hint(hint));
     }
 
-    /// Warns of a prescribed motion that does not begin where the bodies are, before the first step.
-    pub(super) fn warn_of_jump(&self, call: &Call) {
+    /// Warns before the first step of prescribed motions that do not begin where the bodies are, and of adhesion and films of contacts that
+    /// bounce.
+    pub(super) fn warn_at_start(&self, call: &Call) {
         if self.0.history.borrow().len() > 1 || self.0.is_behind.get() {
             return;
         }
         let Ok(simulation) = self.0.simulation.try_borrow() else { return };
         if simulation.row().step > 0 || simulation.options().integrator.is_static() {
             return;
+        }
+        if let Some((contact, time)) = simulation.interrupted_friction() {
+            let title = format!("the adhesion or viscosity of contact \"{contact}\" may act for part of the time only");
+            let cause = format!(
+                "with `update: \"persistency\"` nodes in contact bounce where steps (dt = {}) are much shorter than the time in which an \
+                 elastic wave crosses a cell ({}); they have no shear stress while they are open",
+                brief(simulation.options().dt),
+                brief(time)
+            );
+            let warning = Diagnostic::warning(title, self.0.model.place_of_contact(contact)).code("C0645").cause(self.0.with_units(&cause));
+            call.host.warn(warning.hint("take `update: \"velocity\"`, whose nodes stay closed, or a larger step"));
         }
         // Errors of a time function are reported by the step.
         let Ok(Some((boundary, jump))) = simulation.prescribed_jump() else { return };
