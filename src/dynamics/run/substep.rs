@@ -16,6 +16,7 @@ use crate::dynamics::step::predictor::{displacements_to, follow_prescribed, rigi
 use crate::dynamics::step::start::{Motion, StepKind, StepStart};
 use crate::dynamics::step::task::Task;
 use crate::integrators::Scheme;
+use crate::math::norms::largest_size;
 use crate::math::tolerances;
 
 /// Halvings of a step of given size from which on friction that depends on the speed may have the coefficients of the start of a substep.
@@ -182,7 +183,15 @@ where
     /// Energy scale of defects: energy of the state, or the kinetic energy that loads and forces of earlier steps give to nodes at rest.
     fn energy_scale(&self, motion: &Motion, time: f64, predicted: &[f64]) -> f64 {
         let (row, nodes, dt) = (&self.state.row, &self.system.nodes, motion.dt);
-        let floor = tolerances::FORCE_FLOOR * nodes.stiffness() * nodes.extent.powi(2);
+        // Round-off of positions if forces depend on them, otherwise of displacements.
+        let reach = match self.system.depends_on_positions() {
+            true => nodes.extent,
+            false => {
+                let moved = predicted.iter().zip(&self.state.positions).map(|(x_1, x_0)| (x_1 - x_0).abs());
+                moved.fold(largest_size(&self.state.displacements), f64::max)
+            }
+        };
+        let floor = nodes.stiffness() * (tolerances::FORCE_FLOOR * reach).powi(2);
         let mut load = vec![0.0; predicted.len()];
         if self.system.loads_into(predicted, time + 0.5 * dt, &mut load).is_err() {
             load.fill(0.0);
@@ -192,7 +201,7 @@ where
         load.iter_mut().zip(motion.remembered_force()).for_each(|(force, before)| *force += before);
         let given = |(k, force): (usize, &f64)| force.powi(2) * dt * dt / nodes.lumped_mass[k / D];
         let work: f64 = load.iter().enumerate().filter(|(_, force)| **force != 0.0).map(given).sum();
-        (row.kinetic + row.strain.abs()).max(work).max(floor * tolerances::FORCE_FLOOR)
+        (row.kinetic + row.strain.abs()).max(work).max(floor)
     }
 
     /// Checks that bodies moved no farther than a multiple of the admission distance of facet pairs, and not into a facet that was not
