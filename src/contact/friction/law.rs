@@ -47,8 +47,8 @@ pub trait FrictionLaw: fmt::Debug + Send + Sync {
         0.0
     }
 
-    /// True if a part of the shear stress does not grow with the pressure, as of adhesion or a film: its impulse is proportional to the time
-    /// in contact.
+    /// True if a part of the shear stress does not grow with the pressure, as of adhesion or a film: its impulse is proportional to the
+    /// time in contact.
     fn needs_time(&self) -> bool {
         self.film() > 0.0 || self.limit(SlipState { coefficient: 0.0, pressure: 1.0, speed: 0.0 }).shear > 0.0
     }

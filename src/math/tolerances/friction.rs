@@ -8,8 +8,8 @@ pub const TANGENTIAL: f64 = 0.01;
 /// in space 22 fail with 0.01, 16 with 0.1, 17 with 1.
 pub const TRIAL_STIFFNESS: f64 = 0.1;
 
-/// Step size relative to the time in which an elastic wave crosses a cell, below which nodes of contacts with `persistency` bounce from step
-/// to step: adhesion under a soft block loses 3 % of its impulse at 0.45, 35 % at 0.13.
+/// Step size relative to the time in which an elastic wave crosses a cell, below which nodes of contacts with `persistency` bounce from
+/// step to step: adhesion under a soft block loses 3 % of its impulse at 0.45, 35 % at 0.13.
 pub const BOUNCES: f64 = 0.3;
 
 /// Tangential trial multiplier in space, relative to the friction limit, below which its direction is round-off.
