@@ -116,7 +116,7 @@ where
         let free = self.supports.fixed.contains(&true).then(|| values.clone());
         values.iter_mut().for_each(|value| *value *= scale);
         self.write_constraints(&self.matrix.pattern, evaluated, rows, ForceShares::WHOLE, |pair| &pair.gradient_end, &mut values);
-        self.matrix.finish(rows, self.nodes.modulus, &mut values);
+        self.matrix.finish(rows, scale * self.nodes.largest_nodal_mass, &mut values);
         let is_compliant = |(_, row): &(usize, &Equation)| row.acts && row.gradient != 0.0 && row.diagonal != 0.0;
         let compliances = rows.0.iter().enumerate().filter(is_compliant).map(|(number, row)| (number, row.diagonal)).collect();
         EndMatrix { values, free, compliances }
