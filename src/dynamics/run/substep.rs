@@ -180,7 +180,8 @@ where
         integrator.promises.energy && self.state.drift.abs() > tolerances::DEFECT * tolerance * energy
     }
 
-    /// Energy scale of defects: energy of the state, or the kinetic energy that loads and forces of earlier steps give to nodes at rest.
+    /// Energy scale of defects: energy of the state, or the kinetic energy that loads give to nodes at rest. If the state is at rest to
+    /// round-off, as after an impact in an earlier stage of the step, that of forces of earlier stages.
     fn energy_scale(&self, motion: &Motion, time: f64, predicted: &[f64]) -> f64 {
         let (row, nodes, dt) = (&self.state.row, &self.system.nodes, motion.dt);
         // Round-off of positions if forces depend on them, otherwise of displacements.
@@ -198,10 +199,11 @@ where
         } else {
             load.iter_mut().zip(&nodes.weight).for_each(|(force, weight)| *force += weight);
         }
-        load.iter_mut().zip(motion.remembered_force()).for_each(|(force, before)| *force += before);
         let given = |(k, force): (usize, &f64)| force.powi(2) * dt * dt / nodes.lumped_mass[k / D];
-        let work: f64 = load.iter().enumerate().filter(|(_, force)| **force != 0.0).map(given).sum();
-        (row.kinetic + row.strain.abs()).max(work).max(floor)
+        let given_by = |forces: Vec<f64>| forces.iter().enumerate().filter(|(_, force)| **force != 0.0).map(given).sum::<f64>();
+        let scale = (row.kinetic + row.strain.abs()).max(given_by(load)).max(floor);
+        let before = given_by(motion.remembered_force().collect());
+        if scale < tolerances::STOPPED * before { before } else { scale }
     }
 
     /// Checks that bodies moved no farther than a multiple of the admission distance of facet pairs, and not into a facet that was not
