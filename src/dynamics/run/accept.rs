@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::engine::Engine;
 use super::ledger::{LedgerRow, Reaction, heat, unexplained};
 use super::loaded::EvaluatedContacts;
-use super::slip_memory::{add_heat, slipped};
+use super::slip_memory::{add_heat, rested, slipped};
 use super::state::State;
 use super::velocity_correction::VelocityCorrection;
 use crate::bodies::{Elements, Space};
@@ -142,7 +142,7 @@ where
             lambda,
             penalty_gap,
             reserve,
-            active,
+            active: rested(system, &at, active),
             slipped,
             scheme_history,
             memory,

@@ -5,8 +5,10 @@ use serde::{Deserialize, Serialize};
 use crate::contact::Evaluation;
 use crate::dynamics::parts::contact_pair::{ContactPair, PairKind};
 use crate::dynamics::parts::laws::RowState;
+use crate::dynamics::step::contact_set::slips_at;
 use crate::dynamics::step::equations::Equations;
 use crate::dynamics::step::iterate::Linearization;
+use crate::math::tolerances;
 
 /// Accumulated slip of a tangential constraint; the path of a group is stored in its first one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -109,4 +111,16 @@ pub fn size(rows: &[f64]) -> f64 {
         [only] => *only,
         _ => rows.iter().map(|value| value * value).sum::<f64>().sqrt(),
     }
+}
+
+/// States of the constraints at the end of a step, in which tangential constraints without slip count as sticking. Where something else
+/// prevents the slip, as a stop does in a joint, it is round-off which of the two a step ends with.
+pub fn rested<const D: usize>(equations: &Equations<D>, at: &Linearization, mut active: Vec<RowState>) -> Vec<RowState> {
+    for place in slips_at(equations, at) {
+        let has_slipped = size(place.slips()).abs() > tolerances::CLEARLY * place.pair.gap_tolerance;
+        if active[place.rows.start].slides() && !has_slipped {
+            active[place.rows.clone()].fill(RowState::Closed);
+        }
+    }
+    active
 }

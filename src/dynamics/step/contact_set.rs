@@ -61,6 +61,11 @@ impl<'a> SlipPlace<'a> {
         self.under(conditions, &at.lambda)
     }
 
+    /// Slips of the step, one for each constraint.
+    pub fn slips(&self) -> &'a [f64] {
+        &self.slip.gap[self.rows.start - self.friction.rows.start..self.rows.end - self.friction.rows.start]
+    }
+
     /// Group of tangential constraints for given multipliers.
     pub fn under(&self, conditions: &Conditions, lambda: &[f64]) -> SlipGroup<'a> {
         self.group(conditions, |row| self.slip.gap[row - self.friction.rows.start], lambda)
