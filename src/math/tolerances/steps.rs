@@ -11,9 +11,9 @@ pub const STILL_AT: f64 = 1e-13;
 pub const SMALLEST_STEP: f64 = 1e-6;
 
 /// Error of a first touch, relative to the size of the model or, far from the origin, to a part of its distance, below which no shorter
-/// step is tried: in a step in which a body moves by two ten-millionths of it, the contact force of an impact does work of 1e-11 of the
+/// step is tried: in a step in which a body moves by a millionth of it, the contact force of an impact does work of up to 1e-11 of the
 /// energy on the round-off of positions.
-pub const TOUCH: f64 = 2e-6;
+pub const TOUCH: f64 = 1e-5;
 
 /// Energy of a state, relative to that which forces of earlier stages would give to its nodes, that is round-off of their velocities.
 pub const STOPPED: f64 = 1e-20;
