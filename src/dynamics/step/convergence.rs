@@ -70,6 +70,8 @@ pub struct Convergence {
     is_exact: bool,
     /// Energy of the last iterate.
     last_energy: f64,
+    /// Residual of the last iterate.
+    last_residual: f64,
     /// Products of energy error and contact violation, each relative to its tolerance and at least 1, of the last iterates; the latest
     /// first.
     merits: [f64; SOME],
@@ -102,6 +104,7 @@ impl Convergence {
             is_patient,
             is_exact,
             last_energy: f64::INFINITY,
+            last_residual: f64::INFINITY,
             merits: [f64::INFINITY; SOME],
             nearest: f64::INFINITY,
             idle: 0,
@@ -112,8 +115,11 @@ impl Convergence {
 
     /// Decision on an iterate, which is a solution from the iteration `at_least` on at the earliest.
     pub fn judge(&mut self, iteration: usize, at_least: usize, record: &Iteration) -> IterateDecision {
-        let falls = record.energy <= if record.energy <= STALLED { FALLING } else { FALLING_FAR } * self.last_energy;
-        self.last_energy = record.energy;
+        let energy_falls = record.energy <= if record.energy <= STALLED { FALLING } else { FALLING_FAR } * self.last_energy;
+        // The energy is a sum of terms of both signs, which may stay while they decrease.
+        let residual_falls = record.residual > record.floor && record.residual <= TENTH * self.last_residual;
+        let falls = energy_falls || residual_falls;
+        (self.last_energy, self.last_residual) = (record.energy, record.residual);
         let merit = record.energy.max(1.0) * record.violation.max(1.0);
         let falls_far = record.residual <= record.target && merit <= TENTH * self.merits[SOME - 1];
         self.merits.rotate_right(1);
