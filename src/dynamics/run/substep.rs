@@ -180,8 +180,8 @@ where
         integrator.promises.energy && self.state.drift.abs() > tolerances::DEFECT * tolerance * energy
     }
 
-    /// Energy scale of defects: energy of the state, or the kinetic energy that loads give to nodes at rest. If the state is at rest to
-    /// round-off, as after an impact in an earlier stage of the step, that of forces of earlier stages.
+    /// Energy scale of defects: energy of the state, or the kinetic energy that loads give to nodes at rest; and at least that whose
+    /// tolerance is the work of round-off of the forces of earlier stages: after an impact in one of them the body may be at rest.
     fn energy_scale(&self, motion: &Motion, time: f64, predicted: &[f64]) -> f64 {
         let (row, nodes, dt) = (&self.state.row, &self.system.nodes, motion.dt);
         // Round-off of positions if forces depend on them, otherwise of displacements.
@@ -203,7 +203,7 @@ where
         let given_by = |forces: Vec<f64>| forces.iter().enumerate().filter(|(_, force)| **force != 0.0).map(given).sum::<f64>();
         let scale = (row.kinetic + row.strain.abs()).max(given_by(load)).max(floor);
         let before = given_by(motion.remembered_force().collect());
-        if scale < tolerances::STOPPED * before { before } else { scale }
+        scale.max(tolerances::STOPPED * (scale * before).sqrt())
     }
 
     /// Checks that bodies moved no farther than a multiple of the admission distance of facet pairs, and not into a facet that was not

@@ -15,5 +15,6 @@ pub const SMALLEST_STEP: f64 = 1e-6;
 /// energy on the round-off of positions.
 pub const TOUCH: f64 = 1e-5;
 
-/// Energy of a state, relative to that which forces of earlier stages would give to its nodes, that is round-off of their velocities.
-pub const STOPPED: f64 = 1e-20;
+/// Least energy scale of a step, relative to the geometric mean of the energy of its state and of that which forces of earlier stages would
+/// give to its nodes: their round-off of 1e-16 does work of that share of it, and Newton's method demands 1e-13 of the scale.
+pub const STOPPED: f64 = 1e-3;
