@@ -253,12 +253,13 @@ impl CornersInSpace {
     /// For each vertex, keeps only the nearest one of facets with nearly equal normals.
     fn nearest_facets(&self, mut found: Vec<Found>) -> Vec<Found> {
         found.sort_by_key(|row| (self.owner(row.patch), row.patch));
+        let distance = |row: &Found| row.distance(self.sides.facet_size);
         let mut kept: Vec<Found> = Vec::with_capacity(found.len());
         for rows in found.chunk_by(|a, b| self.owner(a.patch) == self.owner(b.patch)) {
             let is_beaten = |row: &Found| {
                 !matches!(row.measure, Measure::Edges(_))
                     && rows.iter().any(|other| {
-                        let order = other.gap.abs().total_cmp(&row.gap.abs()).then(other.patch.cmp(&row.patch));
+                        let order = distance(other).total_cmp(&distance(row)).then(other.patch.cmp(&row.patch));
                         order.is_lt() && other.normal.dot(&row.normal) > ALIKE
                     })
             };

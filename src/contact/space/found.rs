@@ -4,6 +4,7 @@
 use super::features;
 use super::gaps::Measure;
 use crate::contact::faces::Vector;
+use crate::math::tolerances::EQUAL_GAPS;
 
 /// Cosine of the angle between the normals of two facets, 10 degrees, above which a vertex has a constraint against the nearer facet only.
 pub const ALIKE: f64 = features::SMOOTH;
@@ -26,6 +27,12 @@ pub struct Found {
 }
 
 impl Found {
+    /// Size of the gap as a multiple of round-off: equal for gaps that differ by less, such as of a node above the border of two facets in
+    /// a plane.
+    pub fn distance(&self, facet_size: f64) -> f64 {
+        (self.gap.abs() / (EQUAL_GAPS * facet_size)).round()
+    }
+
     /// True if this constraint overlaps and a shallower strict constraint nearby separates the bodies in another direction.
     pub fn is_dominated(&self, found: &[Found], facet_size: f64) -> bool {
         self.gap < 0.0 && found.iter().any(|other| other.is_strict && self.is_beside(other, facet_size))

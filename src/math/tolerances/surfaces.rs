@@ -14,3 +14,7 @@ pub const RIM_FLAT: f64 = 0.2;
 /// Smallest height, relative to the radius, of a cylinder rim that becomes flat within a step: the height as a function of the axis
 /// direction has a cusp at zero.
 pub const RIM_LEAST: f64 = 1e-3;
+
+/// Difference of two gaps, relative to the facet size, below which they are equal up to round-off. No round number, at whose multiples gaps
+/// of round coordinates would be rounded both up and down.
+pub const EQUAL_GAPS: f64 = 7.31e-11;
