@@ -23,7 +23,6 @@ use crate::dynamics::parts::contact_pair::ContactPair;
 use crate::dynamics::parts::force_shares::ForceShares;
 use crate::dynamics::parts::laws::{Equation, RowState};
 use crate::linear::Operator;
-use crate::math::norms::largest_size;
 use crate::math::tolerances;
 
 /// Sign that makes the constraint columns symmetric to the rows.
@@ -192,7 +191,8 @@ where
     /// Makes the blocks between nodes symmetric; returns the relative asymmetry before.
     fn symmetrize(&mut self) -> f64 {
         let (pattern, nodes) = (&self.system.matrix.pattern, self.system.nodes.count() as u32);
-        let (mut off, largest) = (0.0f64, largest_size(&self.values));
+        // Entries of constraints may still be those of the last step.
+        let (mut off, mut largest) = (0.0f64, f64::MIN_POSITIVE);
         for v in 0..nodes {
             for &u in pattern.neighbors(v as usize).iter().filter(|&&u| u >= v && u < nodes) {
                 let (block, mirrored) = (pattern.block(u, v), pattern.block(v, u));
@@ -200,13 +200,14 @@ where
                     for k in 0..D {
                         let (a, b) = (block.at(i, k), mirrored.at(k, i));
                         off = off.max((self.values[a] - self.values[b]).abs());
+                        largest = largest.max(self.values[a].abs()).max(self.values[b].abs());
                         let mean = 0.5 * (self.values[a] + self.values[b]);
                         (self.values[a], self.values[b]) = (mean, mean);
                     }
                 }
             }
         }
-        off / largest.max(f64::MIN_POSITIVE)
+        off / largest
     }
 
     /// Equations of the constraints: ties and active constraints hold, unless they depend on others; penalties are compliant.
