@@ -312,7 +312,7 @@ impl SlipRow<'_> {
             acts: true,
             // If the friction force decreases faster than the bodies' compliance, no solution exists near this one, only at a larger speed:
             // iterations move there.
-            gradient: by * (self.film() + by_speed.max(-self.pressed.pace(self.slip.abs()))),
+            gradient: by * (self.film() + by_speed.max(-self.pressed.c)),
             diagonal: by,
             normal: -by * sense * by_pressure * self.pressed.sense,
             right: by * (sense * (shear - by_pressure * self.pressed.normal) - self.film() * self.slip),
