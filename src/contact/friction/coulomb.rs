@@ -65,7 +65,7 @@ impl FrictionLaw for Coulomb {
         }
     }
 
-    fn impact(&self, at: SlipState) -> f64 {
+    fn impulse_ratio(&self, at: SlipState) -> f64 {
         Coulomb { adhesion: 0.0, ..self.clone() }.limit(at).shear / at.pressure
     }
 

@@ -38,7 +38,7 @@ pub trait FrictionLaw: fmt::Debug + Send + Sync {
 
     /// Largest ratio of tangential to normal impulses of an impact with this positive pressure during a step. A shear stress that remains
     /// without pressure, as of adhesion, has no impulse.
-    fn impact(&self, at: SlipState) -> f64 {
+    fn impulse_ratio(&self, at: SlipState) -> f64 {
         self.limit(at).shear / at.pressure
     }
 

@@ -167,7 +167,7 @@ impl NormalState<'_> {
             return [0.0; 3];
         }
         let ratios = lambda.map(|lambda| lambda / self.normal);
-        let most = self.law.impact(self.state(slip)) / length(ratios).max(f64::MIN_POSITIVE);
+        let most = self.law.impulse_ratio(self.state(slip)) / length(ratios).max(f64::MIN_POSITIVE);
         ratios.map(|ratio| ratio * most.min(1.0))
     }
 

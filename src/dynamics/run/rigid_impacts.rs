@@ -184,7 +184,7 @@ where
             let impulse = if smooth.impulses[row] > 0.0 { smooth.impulses[row] } else { alone };
             let pressure = (impulse / (motion.dt * around)).max(f64::MIN_POSITIVE);
             let at = SlipState { coefficient: friction.coefficients[local], pressure, speed };
-            contact.friction = friction.law.impact(at);
+            contact.friction = friction.law.impulse_ratio(at);
         }
     }
 

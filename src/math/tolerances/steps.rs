@@ -11,8 +11,8 @@ pub const STILL_AT: f64 = 1e-13;
 pub const SMALLEST_STEP: f64 = 1e-6;
 
 /// Error of a first touch, relative to the size of the model or, far from the origin, to a part of its distance, below which no shorter
-/// step is tried: in a step in which a body moves by a millionth of it, the contact force of an impact does work of up to 1e-11 of the
-/// energy on the round-off of positions.
+/// step is tried: the shorter the step, the larger the contact force of an impact and its work on the round-off of positions. Rigid rings
+/// had energy defects up to 4e-11 with 2e-6, and one of three still more than 1e-11 with 8e-6.
 pub const TOUCH: f64 = 1e-5;
 
 /// Least energy scale of a step, relative to the geometric mean of the energy of its state and of that which forces of earlier stages would
