@@ -45,10 +45,10 @@ where
             Failure::Iterations | Failure::Inexact { .. } => self.not_converged(),
             Failure::Inverted { body, inverted } => self.blamed_on_a_load(self.inverted_cell(body, inverted)),
             Failure::Diverged => self.blamed_on_a_load(FailureCause::Divergence),
-            Failure::Linear(error) => FailureCause::SingularSystem { reason: self.explain(error) },
+            Failure::Linear(error) => FailureCause::SingularSystem { reason: self.explain(error), constraint: self.constraint_of(error) },
             Failure::Foreseen(motion) => FailureCause::TooFast { contact: motion.contact.clone() },
             Failure::BeyondSearch { pair } | Failure::Overlooked { pair } => FailureCause::TooFast { contact: pair.clone() },
-            Failure::Fatal(error) => FailureCause::SingularSystem { reason: error.to_string() },
+            Failure::Fatal(error) => FailureCause::SingularSystem { reason: error.to_string(), constraint: None },
         };
         self.report_of(cause)
     }
@@ -251,13 +251,18 @@ where
 }
 
 impl<const D: usize> Evidence<'_, D> {
+    /// Constraint at which the elimination of a singular system stopped; `None` if it stopped at a node.
+    fn constraint_of(&self, error: &LinearError) -> Option<usize> {
+        let LinearError::Singular { vertex: Some(vertex) } = error else { return None };
+        (*vertex as usize).checked_sub(self.system.nodes.count())
+    }
+
     /// Explanation of a linear solver failure in terms of the model: the free rigid motion of a body, or the dependent constraints.
     fn explain(&self, error: &LinearError) -> String {
         let (system, positions) = (self.system, &self.state.positions);
         let LinearError::Singular { vertex: Some(vertex) } = error else { return error.to_string() };
         let vertex = *vertex as usize;
-        if vertex >= system.nodes.count() {
-            let row = vertex - system.nodes.count();
+        if let Some(row) = self.constraint_of(error) {
             let own = system.pair_of(row);
             let node = own.and_then(|pair| pair.node_of(row));
             if let (Some(own), None) = (own, node) {

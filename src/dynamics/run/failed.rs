@@ -51,29 +51,40 @@ where
             false => SmallerIncrements::SupportsAndLoads,
         };
         let (cause, remedy) = (report.explanation(), report.remedy(ease));
+        let is_slow = matches!(report.cause, FailureCause::SlowConvergence);
         // Round-off can make a singular system regular, with solutions that grow without bound.
         let is_singular = matches!(report.cause, FailureCause::SingularSystem { .. } | FailureCause::Divergence);
-        // The constraint of a stop or a contact whose bodies are wholly prescribed has no free unknown: it stays violated.
-        let violated = self.trace.iterations.last().filter(|_| matches!(report.cause, FailureCause::SlowConvergence));
-        let violated = violated.map(|last| last.worst_row);
         let is_cycling = matches!(report.cause, FailureCause::CyclingContact { .. });
+        let violated = self.trace.iterations.last().filter(|_| is_slow).map(|last| last.worst_row);
+        let dependent = if let FailureCause::SingularSystem { constraint, .. } = &report.cause { *constraint } else { None };
         self.failure = Some((report, self.trace.u_1.clone()));
-        if (is_singular || violated.is_some())
-            && let Some(stop) = self.system.determined_stop(&self.state.positions, AT_STOP)
-            && violated.is_none_or(|row| stop.rows.contains(&row))
-        {
-            return StepError::Blocked { joint: stop.name.clone(), time };
-        }
-        if let Some(row) = violated
-            && let Some(pair) = self.system.pair_of(row).filter(|pair| !pair.kind.is_bilateral() && always_holds(pair, row))
-            && self.system.is_determined(row, &self.state.positions)
-        {
-            return StepError::Unyielding { contact: pair.name.clone(), time };
+        // The constraint of a stop or a contact whose bodies are wholly prescribed has no free unknown: it stays violated, or the tangent
+        // is singular.
+        if is_slow || is_singular {
+            if let Some(stop) = self.system.determined_stop(&self.state.positions, AT_STOP)
+                && violated.is_none_or(|row| stop.rows.contains(&row))
+            {
+                return StepError::Blocked { joint: stop.name.clone(), time };
+            }
+            if let Some(pair) = self.unyielding(dependent) {
+                return StepError::Unyielding { contact: pair.name.clone(), time };
+            }
         }
         if is_cycling && let Some(jammed) = self.jammed() {
             return jammed;
         }
         StepError::NotConverged { time, step, dt, halvings, cause, remedy }
+    }
+
+    /// Contact with a constraint that no free motion can meet: the one at which elimination stopped, the one violated most in the last
+    /// attempt, or one that became active in it.
+    fn unyielding(&self, dependent: Option<usize>) -> Option<&ContactPair> {
+        let iterations = &self.trace.iterations;
+        let violated = iterations.last().map(|last| last.worst_row);
+        let rows = dependent.into_iter().chain(violated).chain(iterations.iter().flat_map(|iteration| iteration.changed.iter().copied()));
+        let of_contact = rows.filter_map(|row| Some((row, self.system.pair_of(row)?)));
+        let mut holding = of_contact.filter(|(row, pair)| !pair.kind.is_bilateral() && always_holds(pair, *row));
+        holding.find(|(row, _)| self.system.is_determined(*row, &self.state.positions)).map(|(_, pair)| pair)
     }
 
     /// Body that moves most in a nodal motion, and a description of its motion.

@@ -69,6 +69,8 @@ pub enum FailureCause {
     SingularSystem {
         /// Possible rigid motion of a body, or dependent constraints.
         reason: String,
+        /// Number of the constraint that depends on others, if elimination stopped at one.
+        constraint: Option<usize>,
     },
     /// Bodies moved farther in the step than the search for contact reaches.
     TooFast {
@@ -218,7 +220,7 @@ impl FailureReport {
                     three_digits(*determinant)
                 )
             }
-            FailureCause::SingularSystem { reason } => format!("{reason} in the tangent of the step"),
+            FailureCause::SingularSystem { reason, .. } => format!("{reason} in the tangent of the step"),
             FailureCause::TooFast { contact } => {
                 format!("the bodies of contact \"{contact}\" moved farther in one step than the search for contact reaches")
             }
