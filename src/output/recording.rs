@@ -402,6 +402,7 @@ fn unpack(rest: &mut &[u8], body: &BodyDefinition, skin: &Skin) -> BodyFields {
         stress: vec![[0.0; 6]; nodes],
         strain: vec![[0.0; 6]; nodes],
         stress_error: vec![0.0; nodes],
+        is_rigid: body.rigid.is_some(),
         flows: skin.flows,
         plastic_strain: vec![0.0; nodes],
         back_stress: vec![0.0; nodes],

@@ -44,6 +44,7 @@ fn body(name: &str, mesh: Mesh, displacement: impl Fn([f64; 3]) -> [f64; 3], str
         stress: points.iter().map(|&x| stress(x)).collect(),
         strain: vec![[0.0; 6]; points.len()],
         stress_error: vec![0.0; points.len()],
+        is_rigid: false,
         flows: false,
         plastic_strain: vec![0.0; points.len()],
         back_stress: vec![0.0; points.len()],

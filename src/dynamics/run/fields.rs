@@ -26,6 +26,8 @@ pub struct BodyFields {
     /// Estimated error of the stresses around a node `[stress]`: root mean square of the difference between cell stresses and the
     /// continuous nodal stress (Zienkiewicz and Zhu 1987).
     pub stress_error: Vec<f64>,
+    /// True for a rigid body, which has no stresses and strains.
+    pub is_rigid: bool,
     /// True for a deformable body whose material flows plastically.
     pub flows: bool,
     /// Equivalent plastic strain, recovered at nodes like the stress and never negative; 0 for materials without plasticity.

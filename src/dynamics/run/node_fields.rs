@@ -60,6 +60,11 @@ impl NodeField {
         !is_direction && !["position", "contact_gap"].contains(&self.name)
     }
 
+    /// True if the values follow from stresses, strains or their energy, which rigid bodies do not have.
+    pub fn is_of_deformation(&self) -> bool {
+        matches!(self.value, NodeValue::Point(_)) || self.name == "stress_error"
+    }
+
     /// Number at a node; for a vector field the length of the vector.
     pub fn size(&self, body: &BodyFields, node: usize, frame: &LocalFrame) -> f64 {
         match self.value {

@@ -377,6 +377,7 @@ where
                     stress_error: StressError::new(&*body.elements, self.present(body), body.nodes.clone(), &stress).at_nodes(),
                     stress,
                     strain,
+                    is_rigid: definition.rigid.is_some(),
                     flows: definition.flows(),
                     plastic_strain: kept.iter().map(|kept| kept[0]).collect(),
                     back_stress: kept.iter().map(|kept| kept[1]).collect(),

@@ -5,6 +5,13 @@ use crate::math::tolerances::EXACT;
 /// Energy relative to its tolerance up to which a residual that does not decrease any more may be round-off.
 const STALLED: f64 = 100.0;
 
+/// Residual relative to the round-off of the forces up to which one iteration without a decrease shows round-off: a friction law with an
+/// inexact tangent converges so slowly that the energy may rise once far above it.
+const NEAR_ROUND_OFF: f64 = 100.0;
+
+/// Number of successive iterations without a decrease that show round-off of an energy that may be round-off by its size, for any residual.
+const FLAT: usize = 3;
+
 /// Ratio to the last iteration's energy above which an energy that may be round-off by its size counts as no longer decreasing.
 const FALLING: f64 = 0.5;
 /// Ratio to the last iteration's energy above which the energy counts as no longer decreasing, if the residual alone indicates round-off.
@@ -125,7 +132,9 @@ impl Convergence {
         self.merits.rotate_right(1);
         self.merits[0] = merit;
         self.stalls = if falls { 0 } else { self.stalls + 1 };
-        let is_stalled = !falls && (record.energy <= STALLED || record.residual <= record.floor && self.stalls >= record.stalls);
+        let is_near_round_off = record.residual <= NEAR_ROUND_OFF * record.floor || self.stalls >= FLAT;
+        let is_small = record.energy <= STALLED && is_near_round_off;
+        let is_stalled = !falls && (is_small || record.residual <= record.floor && self.stalls >= record.stalls);
         let is_round_off = is_stalled || (!falls || iteration >= LATE) && record.energy <= record.round_off;
         let is_met = record.residual <= record.target && record.violation <= 1.0;
         let is_exact = !self.is_exact || !falls || record.energy <= EXACT;
@@ -143,5 +152,25 @@ impl Convergence {
         let is_idle = self.idle > MAX_IDLE && !self.is_patient;
         let is_over = iteration >= if is_met && falls || falls_far { LONGER * self.most } else { self.most };
         if is_idle || is_over { IterateDecision::GivesUp } else { IterateDecision::GoesOn }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// True if the third of three iterates is accepted, whose energies are 1e3, 20 and 30 times the tolerance.
+    fn is_accepted(residual: f64) -> bool {
+        let mut convergence = Convergence::new(20, false, false);
+        let record = |energy: f64, residual: f64| Iteration { residual, target: 1e-6, floor: 1e-12, energy, ..Iteration::default() };
+        convergence.judge(0, 1, &record(1e3, 1e-6));
+        convergence.judge(1, 1, &record(20.0, residual));
+        matches!(convergence.judge(2, 1, &record(30.0, residual)), IterateDecision::Done)
+    }
+
+    #[test]
+    fn an_energy_that_rises_once_is_round_off_only_if_the_residual_is_near_it() {
+        assert!(is_accepted(1e-11));
+        assert!(!is_accepted(1e-8));
     }
 }

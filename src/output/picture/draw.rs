@@ -63,6 +63,7 @@ pub fn picture(bodies: &[BodyFields], obstacles: &[PlacedObstacle], options: &Pi
         let label = format!("{}{}", panel.field.words(), unit(panel));
         match panel.range {
             _ if !panel.field.kinds().is_empty() => Scale::of_kinds(panel.field.kinds(), &label),
+            _ if values.iter().all(Vec::is_empty) => Scale::blank(),
             Some(range) => Scale::new(range, &label),
             None => Scale::new(values.iter().flatten().copied(), &label),
         }
@@ -93,8 +94,10 @@ pub fn sight(bodies: &[BodyFields], obstacles: &[PlacedObstacle], options: &Pict
     PictureBounds { bounds: layout.bounds, longest: options.vectors.as_ref().map_or(0.0, |(vectors, _)| longest(bodies, *vectors)) }
 }
 
+/// Values at the nodes of each body; none for a body that does not have the field.
 fn panel_values(bodies: &[BodyFields], panel: &Panel) -> Vec<Vec<f64>> {
-    bodies.iter().map(|body| (0..body.mesh.points.len()).map(|node| panel.field.value(body, node, &panel.frame)).collect()).collect()
+    let nodes = |body: &BodyFields| if panel.field.is_of(body) { 0..body.mesh.points.len() } else { 0..0 };
+    bodies.iter().map(|body| nodes(body).map(|node| panel.field.value(body, node, &panel.frame)).collect()).collect()
 }
 
 impl<'a> Layout<'a> {

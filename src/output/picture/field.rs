@@ -85,6 +85,11 @@ impl Field {
     pub fn value(self, body: &BodyFields, node: usize, frame: &LocalFrame) -> f64 {
         self.of().size(body, node, frame)
     }
+
+    /// True if a body has the field: a rigid body has no stresses and strains.
+    pub fn is_of(self, body: &BodyFields) -> bool {
+        !(body.is_rigid && self.of().is_of_deformation())
+    }
 }
 
 /// A nodal field that a picture can show by arrows.

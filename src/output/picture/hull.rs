@@ -8,7 +8,7 @@ use super::scale::{INK, Scale};
 use super::skin::Skin;
 use super::view::{Camera, View, dot};
 use crate::output::contours::Patch;
-use crate::output::drawing::{Drawing, Ink, Line, Point, Stroke};
+use crate::output::drawing::{Color, Drawing, Ink, Line, Point, Stroke};
 use crate::output::obstacle_surfaces::ObstacleSurface;
 
 /// Cosine of the angle between facets from which their common edge is drawn as an edge of the body.
@@ -103,7 +103,12 @@ fn light(side: &VisibleFacet, view: &View) -> f64 {
     AMBIENT + (1.0 - AMBIENT) * lit.clamp(0.0, 1.0)
 }
 
-/// Draws bodies with a value at each node, and rigid obstacles between the bodies.
+/// Color of rigid obstacles and bodies under a light intensity from 0 to 1.
+fn wall_color(light: f64) -> Color {
+    WALL.map(|part| (f64::from(part) * light).round() as u8)
+}
+
+/// Draws bodies with a value at each node, or in one color without values, and rigid obstacles between the bodies.
 pub(super) fn bodies_into(
     out: &mut Drawing,
     (skins, surfaces): (&[Skin], &[ObstacleSurface]),
@@ -112,7 +117,8 @@ pub(super) fn bodies_into(
     scale: &Scale,
     is_meshed: bool,
 ) {
-    let values: Vec<Vec<f64>> = skins.iter().zip(values).map(|(skin, values)| skin.values(values)).collect();
+    let on_skin = |(skin, values): (&Skin, &Vec<f64>)| if values.is_empty() { Vec::new() } else { skin.values(values) };
+    let values: Vec<Vec<f64>> = skins.iter().zip(values).map(on_skin).collect();
     let (mut sides, normals_at) = sides(skins, camera);
     let place = |side: &VisibleFacet, node: u32| camera.place(skins[side.body].points[node as usize]);
     let edges = sides.iter().flat_map(|side| side.edges().map(|edge| edge.map(|node| place(side, node))).collect::<Vec<_>>());
@@ -125,25 +131,27 @@ pub(super) fn bodies_into(
         if let Some(surface) = side.body.checked_sub(skins.len()).map(|index| &surfaces[index]) {
             let corners: Vec<Point> = side.nodes.iter().map(|&node| camera.place(surface.points[node as usize])).collect();
             let outline = vec![Line::closed(corners)];
-            let color = WALL.map(|part| (f64::from(part) * light).round() as u8);
+            let color = wall_color(light);
             out.paint(outline.clone(), Ink::Stroke(Stroke::new(color, 0.5)));
             out.paint(outline, Ink::Fill(color));
             continue;
         }
         let points: Vec<Point> = side.nodes.iter().map(|&node| place(side, node)).collect();
-        let local: Vec<f64> = side.nodes.iter().map(|&node| values[side.body][node as usize]).collect();
+        let has_field = !values[side.body].is_empty();
+        let local: Vec<f64> = side.nodes.iter().filter_map(|&node| values[side.body].get(node as usize).copied()).collect();
         let outline = vec![Line::closed(points.clone())];
-        let color = scale.color(scale.band(local.iter().sum::<f64>() / local.len() as f64), light);
+        let mean = || local.iter().sum::<f64>() / local.len() as f64;
+        let color = if has_field { scale.color(scale.band(mean()), light) } else { wall_color(light) };
         // The stroke closes the hairlines between neighbors.
         out.paint(outline.clone(), Ink::Stroke(Stroke::new(color, 0.5)));
-        if is_coarse {
+        if is_coarse && has_field {
             let numbers: Vec<u32> = (0..side.nodes.len() as u32).collect();
             contours_into(out, &Patch::new(&points, &local, [&numbers[..]]), &outline, scale, light);
-            if is_meshed {
-                out.paint(outline, Ink::Stroke(Stroke { opacity: 0.3, ..Stroke::new([0; 3], 0.5) }));
-            }
         } else {
-            out.paint(outline, Ink::Fill(color));
+            out.paint(outline.clone(), Ink::Fill(color));
+        }
+        if is_coarse && is_meshed {
+            out.paint(outline, Ink::Stroke(Stroke { opacity: 0.3, ..Stroke::new([0; 3], 0.5) }));
         }
         let sharp = sharp_edges(side, &normals_at, view.toward).into_iter().map(|edge| Line::open(edge.map(|node| place(side, node))));
         out.paint(sharp.collect(), Ink::Stroke(Stroke::new(INK, 1.1)));

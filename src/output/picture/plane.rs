@@ -16,15 +16,21 @@ const INVISIBLE: f64 = 0.1;
 const ROOM_FOR_EDGES: f64 = 5.0;
 /// Width of lines that show categories, in pixels.
 const KIND: f64 = 4.5;
-/// Fill color of rigid obstacles.
+/// Fill color of rigid obstacles, and of rigid bodies where the field is one of deformation.
 pub(super) const WALL: [u8; 3] = [176, 180, 186];
 
-/// Draws a plane body with a value at each node.
+/// Draws a plane body with a value at each node, or in one color without values.
 pub(super) fn body_into(out: &mut Drawing, body: &BodyFields, values: &[f64], camera: &Camera, scale: &Scale, is_meshed: bool) {
     let points: Vec<Point> = (0..body.mesh.points.len()).map(|node| camera.place(body.position(node))).collect();
-    let patch = patch_of(body, &points, values);
+    let has_field = !values.is_empty();
+    let plain = vec![0.0; points.len()];
+    let patch = patch_of(body, &points, if has_field { values } else { &plain });
     let outline = seen(patch.outline());
-    contours_into(out, &patch, &outline, scale, 1.0);
+    if has_field {
+        contours_into(out, &patch, &outline, scale, 1.0);
+    } else {
+        out.paint(outline.clone(), Ink::Fill(WALL));
+    }
     if is_meshed && has_room_for_edges(patch.edges()) {
         let edges = patch.edges().map(Line::open).collect();
         out.paint(edges, Ink::Stroke(Stroke { opacity: 0.28, ..Stroke::new([0; 3], 0.5) }));

@@ -23,6 +23,8 @@ pub(super) struct Scale {
     label: String,
     /// Names of the values 1, 2, … of categories; empty for quantities.
     kinds: &'static [&'static str],
+    /// True if no body has the field: there is no bar.
+    is_blank: bool,
 }
 
 impl Scale {
@@ -30,12 +32,17 @@ impl Scale {
     pub fn new(values: impl IntoIterator<Item = f64>, label: &str) -> Self {
         let axis = Axis::over(values, 6);
         let label = axis.name(label);
-        Scale { low: axis.unscaled(axis.low), high: axis.unscaled(axis.high), axis, label, kinds: &[] }
+        Scale { low: axis.unscaled(axis.low), high: axis.unscaled(axis.high), axis, label, kinds: &[], is_blank: false }
     }
 
     /// Returns the scale of categories with these names.
     pub fn of_kinds(kinds: &'static [&'static str], label: &str) -> Self {
         Scale { kinds, ..Scale::new([], label) }
+    }
+
+    /// Returns the scale of a field that no body has.
+    pub fn blank() -> Self {
+        Scale { is_blank: true, ..Scale::new([], "") }
     }
 
     /// True if values are categories, not quantities.
@@ -67,6 +74,9 @@ impl Scale {
 
     /// Width of the bar with its numbers and the name of the field.
     pub fn width(&self) -> f64 {
+        if self.is_blank {
+            return 0.0;
+        }
         let numbers = self.axis.ticks.iter().map(|&tick| text_width(&self.axis.label(tick), TEXT));
         let names = self.kinds.iter().map(|name| text_width(name, TEXT));
         let widest = if self.has_kinds() { names.fold(0.0, f64::max) } else { numbers.fold(0.0, f64::max) };
@@ -75,6 +85,9 @@ impl Scale {
 
     /// Draws the bar with its upper left corner at a point.
     pub fn bar_into(&self, out: &mut Drawing, [x, y]: Point, height: f64) {
+        if self.is_blank {
+            return;
+        }
         let label = elided(&self.label, TEXT, height + 40.0);
         out.upward_text([x + self.width() - 4.0, y + 0.5 * height], label, TEXT, Anchor::Middle);
         if self.has_kinds() {

@@ -227,3 +227,18 @@ fn bodies_in_space_are_seen_from_where_one_wants() {
     assert_ne!(top, from("front", 2));
     assert_ne!(from("iso", 1), from("iso", 2));
 }
+
+#[test]
+fn rigid_bodies_are_gray_where_the_field_is_one_of_deformation() {
+    let (soft, rigid) = (cell(), BodyFields { name: "rigid".into(), is_rigid: true, ..cell() });
+    let gray = hex(super::plane::WALL);
+    let both = drawn(&[soft.clone(), rigid.clone()], &options("von_mises"));
+    assert!(both.contains(&gray) && both.contains("von Mises"), "{both}");
+    assert!(!drawn(&[soft], &options("von_mises")).contains(&gray));
+    // Without a body that has the field there is no color bar.
+    let alone = drawn(std::slice::from_ref(&rigid), &options("von_mises"));
+    assert!(alone.contains(&gray) && !alone.contains("von Mises"), "{alone}");
+    assert!(!drawn(&[rigid], &options("velocity")).contains(&gray));
+    let space = BodyFields { is_rigid: true, ..block([1, 1, 1], [1.0, 1.0, 1.0]) };
+    assert!(!drawn(&[space], &options("stress_xx")).contains("stress"));
+}

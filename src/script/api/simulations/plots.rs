@@ -281,6 +281,7 @@ fn words(column: &str) -> String {
         "dt" => "step size".into(),
         "halvings" => "halvings".into(),
         _ if ENERGIES.contains(&column) => format!("{column} energy"),
+        "load_work" | "contact_work" | "friction_work" | "dissipation" => format!("{} per step", column.replace('_', " ")),
         _ => column.replace('_', " "),
     }
 }
