@@ -151,6 +151,9 @@ impl Explainer<'_> {
                 let vector = if counted == 2 { "[x, y]" } else { "[x, y, z]" };
                 error.hint(format!("a vector stands in brackets: `{name}({vector})`"))
             }
+            _ if function.returns == "Integrator" && given.first().is_some_and(|first| first == "Model") => {
+                error.hint(format!("integrators are options of a simulation: `simulate(model, #{{ integrator: {name}(), dt: 0.01 }})`"))
+            }
             _ => error.hint(format!("write `{}`", function.signature())),
         }
     }
