@@ -138,6 +138,13 @@ pub enum Finding {
         /// Name of the primary surface.
         primary: String,
     },
+    /// Circle or cylinder of a rigid body with too few facets to touch as a round one.
+    CoarseCircle {
+        /// Name of the surface.
+        surface: String,
+        /// Number of facets around.
+        facets: usize,
+    },
     /// Secondary nodes of a tie without an opposite primary point.
     Untied {
         /// Name of the tie.
@@ -213,6 +220,11 @@ impl std::fmt::Display for Finding {
                 "nodes of \"{secondary}\" are pressed onto facets of \"{primary}\" beside its nodes: pressures oscillate from node to \
                  node, by about a tenth on flat sides and by as much as themselves on curved ones"
             ),
+            Finding::CoarseCircle { surface, facets } => write!(
+                out,
+                "the nodes of \"{surface}\" lie on a circle with {facets} facets around: it rolls over their edges, as a prism of {facets} \
+                 sides does, not as a round body"
+            ),
             Finding::Untied { nodes, of, reach, .. } => {
                 let many = if nodes == of {
                     format!("none of the {of} nodes has anything")
@@ -270,6 +282,7 @@ impl Finding {
             Finding::UnevenFit { .. } => "C0409",
             Finding::ConstantStrain { .. } => "C0410",
             Finding::UnlikeNodes { .. } => "C0414",
+            Finding::CoarseCircle { .. } => "C0415",
             Finding::Untied { .. } => "C0408",
         }
     }
@@ -319,6 +332,9 @@ impl Finding {
                     .into()
             }
             Finding::UnlikeNodes { .. } => "use a mortar method, or matching meshes; finer facets do not help".into(),
+            Finding::CoarseCircle { .. } => {
+                "take at least twelve facets around for a round body; if a prism is meant, make the facets straight".into()
+            }
             Finding::Untied { .. } => "name boundaries that lie on each other, or give a larger `reach`".into(),
         }
     }

@@ -97,7 +97,7 @@ pub use rigid_corners::RigidCorners;
 pub use rigid_shape::Obstacle;
 pub use rollers::RoundBody;
 pub use rolling_contact::{rolling_contact, round_contact};
-pub use round_parts::{Curvature, RoundPart, round_parts, whole_circle};
+pub use round_parts::{Curvature, RoundPart, facets_of_coarse_circle, round_parts, whole_circle};
 pub use search::{Candidates, PairSearch};
 pub use slip::SlipStep;
 pub use solid::{HullPenetration, Solid};

@@ -1,7 +1,7 @@
 //! Detection of round parts of a surface from its nodes: arcs in the plane, parts of spheres and rims of cylinders in space.
 //!
 //! A node is *inside* a round part if it and its neighbors lie on one circle or sphere, convex outwards, with angles of at most
-//! [`LARGEST_TURN`] between neighbors as seen from the center. Adjacent inside nodes with equal circles form a part; its *rim* are their
+//! [`ROUND`] between neighbors as seen from the center. Adjacent inside nodes with equal circles form a part; its *rim* are their
 //! neighbors that are not inside. With the node at the origin, the center `c` satisfies `2 c.y = y.y` for its neighbors `y`, in space by
 //! least squares.
 
@@ -12,9 +12,23 @@ use nalgebra::{Matrix3, Vector3};
 use super::surface::{Edge, Surface};
 use crate::math::tolerances::{ROUND_PART, ROUND_PART_TURN};
 
-/// Largest angle between neighbors as seen from the center of a round part, in the plane and in space. A circle of twelve facets is round,
-/// an octagon is not. A sphere with twelve facets around, divided into triangles, has diagonals of 43 degrees, an icosahedron of 63.
-const LARGEST_TURN: [f64; 2] = [30.5 * PI / 180.0, 45.0 * PI / 180.0];
+/// Largest angles between neighbors as seen from the center or the axis of a round part `[rad]`.
+#[derive(Clone, Copy)]
+struct Turns {
+    /// In arcs of the plane.
+    arc: f64,
+    /// In parts of spheres.
+    sphere: f64,
+    /// Around cylinders.
+    cylinder: f64,
+}
+
+/// Angles of round parts. A circle of twelve facets is round, an octagon is not. A sphere with eight facets around has 55 degrees from the
+/// middle of a side of its cube to the corner, an icosahedron 63.
+const ROUND: Turns = Turns { arc: 30.5 * PI / 180.0, sphere: 55.5 * PI / 180.0, cylinder: 44.5 * PI / 180.0 };
+
+/// Angles of circles and cylinders that may be meant, which the mesh makes an octagon.
+const COARSE: Turns = Turns { arc: 46.0 * PI / 180.0, sphere: ROUND.sphere, cylinder: 46.0 * PI / 180.0 };
 
 /// Smallest mean square component of the normals of a cylinder's side in each direction perpendicular to its axis; smaller values belong to
 /// a strip that does not surround the axis.
@@ -56,27 +70,39 @@ pub enum Curvature {
 
 /// Arcs, parts of spheres and rims of cylinders of a surface at the positions `q`, convex outwards.
 pub fn round_parts(surface: &Surface, q: &[f64]) -> Vec<RoundPart> {
-    let mut parts = arcs_and_spheres(surface, q, Curvature::Convex);
-    if surface.dimension() == 3 {
-        parts.extend(smooth_regions(surface, q).iter().filter_map(|region| rims_of(surface, region, q)).flatten());
-    }
+    let mut parts = arcs_and_spheres(surface, q, Curvature::Convex, ROUND);
+    parts.extend(rims(surface, q, ROUND));
     parts
+}
+
+/// Number of facets around, if the nodes of a surface lie on a circle or around a cylinder, convex outwards, but are too few for a round
+/// part: the surface is a prism with corners.
+pub fn facets_of_coarse_circle(surface: &Surface, q: &[f64]) -> Option<usize> {
+    if !round_parts(surface, q).is_empty() {
+        return None;
+    }
+    match surface.dimension() {
+        2 => arcs_and_spheres(surface, q, Curvature::Convex, COARSE).pop().filter(|part| part.rim.is_empty()),
+        _ => rims(surface, q, COARSE).pop(),
+    }
+    .map(|part| part.inside.len())
 }
 
 /// Circle or sphere that a surface covers completely at the positions `q`; `None` for other surfaces.
 pub fn whole_circle(surface: &Surface, q: &[f64]) -> Option<(RoundPart, Curvature)> {
     [Curvature::Convex, Curvature::Hollow].into_iter().find_map(|curvature| {
-        let mut parts = arcs_and_spheres(surface, q, curvature);
+        let mut parts = arcs_and_spheres(surface, q, curvature, ROUND);
         let part = parts.pop().filter(|part| parts.is_empty() && part.inside.len() == surface.nodes().len())?;
         Some((part, curvature))
     })
 }
 
 /// Arcs or parts of spheres of a surface.
-fn arcs_and_spheres(surface: &Surface, q: &[f64], curvature: Curvature) -> Vec<RoundPart> {
+fn arcs_and_spheres(surface: &Surface, q: &[f64], curvature: Curvature, turns: Turns) -> Vec<RoundPart> {
+    let largest = if surface.dimension() == 2 { turns.arc } else { turns.sphere };
     let count = surface.nodes().len();
     let neighbors: Vec<Vec<usize>> = (0..count).map(|index| neighbors_of(surface, index)).collect();
-    let fits: Vec<Option<Fit>> = (0..count).map(|index| fit(surface, &neighbors[index], index, q, curvature)).collect();
+    let fits: Vec<Option<Fit>> = (0..count).map(|index| fit(surface, &neighbors[index], index, q, (curvature, largest))).collect();
     let mut is_taken = vec![false; count];
     let mut parts = Vec::new();
     for first in 0..count {
@@ -146,8 +172,8 @@ fn neighbors_of(surface: &Surface, index: usize) -> Vec<usize> {
     if surrounded { sides } else { Vec::new() }
 }
 
-/// Circle or sphere through a node and its neighbors, if the node is inside of a round part.
-fn fit(surface: &Surface, neighbors: &[usize], index: usize, q: &[f64], side: Curvature) -> Option<Fit> {
+/// Circle or sphere through a node and its neighbors, if the node is inside of a round part with angles of at most `largest`.
+fn fit(surface: &Surface, neighbors: &[usize], index: usize, q: &[f64], (side, largest): (Curvature, f64)) -> Option<Fit> {
     if neighbors.is_empty() {
         return None;
     }
@@ -166,7 +192,6 @@ fn fit(surface: &Surface, neighbors: &[usize], index: usize, q: &[f64], side: Cu
     let center = matrix.try_inverse()? * right;
     let radius = center.norm();
     let is_on_it = ring.iter().all(|y| ((y - center).norm() - radius).abs() <= ROUND_PART * radius);
-    let largest = LARGEST_TURN[surface.dimension() - 2];
     let turn = |&other: &usize| 2.0 * (0.5 * (place(other) - node).norm() / radius).min(1.0).asin();
     let [least, most] = neighbors.iter().map(turn).fold([f64::INFINITY, 0.0], |[least, most], turn| [turn.min(least), turn.max(most)]);
     let is_curve = least >= ROUND_PART_TURN && most <= largest.min(LARGEST_RATIO * least);
@@ -175,13 +200,21 @@ fn fit(surface: &Surface, neighbors: &[usize], index: usize, q: &[f64], side: Cu
     (is_on_it && is_curve && is_on_side).then_some((center, radius))
 }
 
-/// Regions of facets in space that are connected across edges with angles of at most [`LARGEST_TURN`].
-fn smooth_regions(surface: &Surface, q: &[f64]) -> Vec<Vec<usize>> {
+/// Rims of the cylinders of a surface in space.
+fn rims(surface: &Surface, q: &[f64], turns: Turns) -> Vec<RoundPart> {
+    if surface.dimension() == 2 {
+        return Vec::new();
+    }
+    smooth_regions(surface, q, turns.cylinder).iter().filter_map(|region| rims_of(surface, region, q, turns.cylinder)).flatten().collect()
+}
+
+/// Regions of facets in space that are connected across edges with angles of at most `largest`.
+fn smooth_regions(surface: &Surface, q: &[f64], largest: f64) -> Vec<Vec<usize>> {
     let mut beside = vec![Vec::new(); surface.count()];
     for Edge { facets, .. } in surface.edges() {
         let [Some(one), Some(other)] = facets else { continue };
         let [a, b] = [one, other].map(|facet| outward(surface, facet as usize, q));
-        if a.dot(&b) >= LARGEST_TURN[1].cos() {
+        if a.dot(&b) >= largest.cos() {
             beside[one as usize].push(other as usize);
             beside[other as usize].push(one as usize);
         }
@@ -215,8 +248,8 @@ fn outward(surface: &Surface, facet: usize, q: &[f64]) -> Vector3<f64> {
 }
 
 /// Both rims of a region of facets that is the side of a cylinder: all normals are perpendicular to one axis, all nodes on one circle
-/// around it.
-fn rims_of(surface: &Surface, region: &[usize], q: &[f64]) -> Option<[RoundPart; 2]> {
+/// around it, with angles of at most `largest`.
+fn rims_of(surface: &Surface, region: &[usize], q: &[f64], largest: f64) -> Option<[RoundPart; 2]> {
     let count = region.len() as f64;
     let spread: Matrix3<f64> = region.iter().map(|&facet| outward(surface, facet, q)).map(|n| n * n.transpose()).sum();
     let eigen = spread.symmetric_eigen();
@@ -253,7 +286,7 @@ fn rims_of(surface: &Surface, region: &[usize], q: &[f64]) -> Option<[RoundPart;
     let ends = [f64::min, f64::max].map(|pick| nodes.iter().map(|&node| height(node)).reduce(pick).unwrap_or(0.0));
     let rim = |end: f64| {
         let on_it: Vec<usize> = nodes.iter().copied().filter(|&node| (height(node) - end).abs() <= ROUND_PART * radius).collect();
-        is_whole(on_it.iter().map(|&node| arm(node)), axis).then(|| RoundPart {
+        is_whole(on_it.iter().map(|&node| arm(node)), axis, largest).then(|| RoundPart {
             center: origin + center + axis * end,
             radius,
             axis: Some(axis),
@@ -264,14 +297,14 @@ fn rims_of(surface: &Surface, region: &[usize], q: &[f64]) -> Option<[RoundPart;
     Some([rim(ends[0])?, rim(ends[1])?])
 }
 
-/// True if vectors perpendicular to an axis surround it with angles of at most [`LARGEST_TURN`] between them.
-fn is_whole(arms: impl Iterator<Item = Vector3<f64>>, axis: Vector3<f64>) -> bool {
+/// True if vectors perpendicular to an axis surround it with angles of at most `largest` between them.
+fn is_whole(arms: impl Iterator<Item = Vector3<f64>>, axis: Vector3<f64>, largest: f64) -> bool {
     let arms: Vec<Vector3<f64>> = arms.collect();
     let Some(&first) = arms.first() else { return false };
     let mut angles: Vec<f64> = arms.iter().map(|arm| axis.dot(&first.cross(arm)).atan2(first.dot(arm))).collect();
     angles.sort_by(f64::total_cmp);
     let closing = angles[0] + 2.0 * PI - angles[angles.len() - 1];
-    angles.windows(2).map(|pair| pair[1] - pair[0]).fold(closing, f64::max) <= LARGEST_TURN[1]
+    angles.windows(2).map(|pair| pair[1] - pair[0]).fold(closing, f64::max) <= largest
 }
 
 #[cfg(test)]
@@ -306,6 +339,15 @@ mod tests {
         assert_eq!(whole(&inside_out), Some((24, Curvature::Hollow)));
         assert_eq!(whole(&polygon(24)), Some((24, Curvature::Convex)));
         assert_eq!(whole(&polygon(8)), None);
+    }
+
+    #[test]
+    fn octagons_may_be_coarse_circles() {
+        let around = |count: u32| {
+            let facets: Vec<[u32; 2]> = (0..count).map(|k| [k, (k + 1) % count]).collect();
+            facets_of_coarse_circle(&Surface::new(&facets), polygon(count).as_flattened())
+        };
+        assert_eq!([6, 8, 12].map(around), [None, Some(8), None]);
     }
 
     /// Slot: two half circles and two straight sides.

@@ -7,8 +7,8 @@ use super::definitions::Model;
 use super::depths::Depths;
 use super::interactions::{BodyBoundary, Interaction, Partner};
 use crate::contact::{
-    ContactMethod, FacetShape, Finding, NamedSurface, PatchFunctions, Surface, Tie, check_surfaces, constant_strain_error, facing_away,
-    has_unlike_nodes, polygon_fit, press_fit, uneven_fit,
+    ContactMethod, FacetShape, Finding, NamedSurface, PatchFunctions, Surface, Tie, check_surfaces, constant_strain_error,
+    facets_of_coarse_circle, facing_away, has_unlike_nodes, polygon_fit, press_fit, uneven_fit,
 };
 
 impl Model {
@@ -69,6 +69,7 @@ impl Model {
                 add(name, press_fits(secondary, primary, interaction.facet_shape(2)));
             }
             add(name, self.nodes_in_fits(interaction, &first, &reference));
+            add(name, self.coarse_circles(interaction, |on| Surface::new(&facets(on)), &reference));
             add(name, self.away_from_obstacle(&self.interactions[index]).into_iter().collect());
             let Partner::Tied { to, reach } = partner else { continue };
             let secondary = facets(secondary);
@@ -105,6 +106,19 @@ impl Model {
             polygon_fit(&side, &other, reference, FacetShape::Straight).is_some() && has_unlike_nodes(&side, &other, reference)
         };
         primary.iter().filter(is_unlike).map(|on| self.unlike_nodes([secondary, on])).collect()
+    }
+
+    /// Findings for rigid sides of a contact whose nodes lie on a circle with too few facets for a round body.
+    fn coarse_circles(&self, interaction: &Interaction, surface: impl Fn(&BodyBoundary) -> Surface, reference: &[f64]) -> Vec<Finding> {
+        if interaction.is_tie() || interaction.equality || interaction.facet_shape(self.dimension()) != FacetShape::Curved {
+            return Vec::new();
+        }
+        let is_rigid = |on: &&BodyBoundary| self.bodies[on.body].rigid.is_some() && !self.bodies[on.body].mesh.is_quadratic();
+        let found = |on: &BodyBoundary| {
+            let facets = facets_of_coarse_circle(&surface(on), reference)?;
+            Some(Finding::CoarseCircle { surface: self.boundary_name(on), facets })
+        };
+        std::iter::once(&interaction.secondary).chain(interaction.primary()).filter(is_rigid).filter_map(found).collect()
     }
 
     /// Finding for a press fit of nodes on facets of an unlike mesh.
@@ -167,7 +181,8 @@ impl Model {
                 Partner::Obstacle { .. } => self.away_from_obstacle(interaction).into_iter().collect(),
                 Partner::Itself => Vec::new(),
             };
-            found.into_iter().map(|finding| (name.clone(), finding)).collect::<Vec<_>>()
+            let coarse = self.coarse_circles(interaction, surface, reference);
+            found.into_iter().chain(coarse).map(|finding| (name.clone(), finding)).collect::<Vec<_>>()
         };
         self.interactions.iter().flat_map(of).collect()
     }

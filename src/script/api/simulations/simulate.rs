@@ -150,6 +150,9 @@ fn make(call: &Call) -> Result<SimulationHandle, Failure> {
         if matches!(finding, Finding::FacingAway { .. }) && model.model.dimension() == 3 {
             hint += "; of a `block`, `bottom` and `top` are along y, `back` and `front` along z";
         }
+        if matches!(finding, Finding::CoarseCircle { .. }) {
+            hint += ": `facets: \"straight\"`";
+        }
         call.host.warn(warning.code(finding.code()).hint(hint));
     }
     check_joints(call, &model, &simulation)?;
