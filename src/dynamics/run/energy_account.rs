@@ -107,12 +107,15 @@ impl EnergyAccount {
 }
 
 impl fmt::Display for EnergyAccount {
-    /// Writes the account, such as `contact took 0.0129 (2.45 %), loads gave 0.3 (57 %)`; empty without energy changes.
+    /// Writes the account, such as `contact took 0.0129 (2.45 %), loads gave 0.3 (57 %)`; empty without energy changes. The percentages are
+    /// those of the largest energy of the run, or of all that was given if that is more, as where most of it becomes heat.
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let changes = self.changes();
+        let given: f64 = changes.iter().map(|(_, amount)| amount.max(0.0)).sum();
+        let whole = self.scale.max(given);
         let parts = changes.iter().map(|(cause, amount)| {
             let verb = if *amount > 0.0 { "gave" } else { "took" };
-            format!("{cause} {verb} {} ({})", three_digits(amount.abs()), percent(amount.abs() / self.scale))
+            format!("{cause} {verb} {} ({})", three_digits(amount.abs()), percent(amount.abs() / whole))
         });
         write!(out, "{}", parts.collect::<Vec<_>>().join(", "))
     }
@@ -138,5 +141,8 @@ mod tests {
         assert!(EnergyAccount::of(&rows).to_string().contains(", numerical damping took 0.25 (8.33 %)"));
         rows[4].friction_work = -0.5;
         assert!(EnergyAccount::of(&rows).to_string().contains(", friction took 0.5 (16.67 %), numerical damping"));
+        let [mut driven, start] = [row(1, 1.0), row(0, 1.0)];
+        (driven.load_work, driven.dissipation, driven.plastic) = (8.0, 8.0, 8.0);
+        assert_eq!(EnergyAccount::of(&[start, driven][..]).to_string(), "loads gave 8 (100.00 %), plastic flow took 8 (100.00 %)");
     }
 }

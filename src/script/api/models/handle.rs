@@ -48,7 +48,7 @@ impl Handle for ModelHandle {
 
 impl Handle for BodyHandle {
     const NAME: &'static str = "Body";
-    const MAKER: &'static str = "make one with `model.add_body(name, mesh, material)`";
+    const MAKER: &'static str = "give the value that `model.add_body(name, mesh, material)` returned, not its name";
 
     fn instead_of_property(name: &str) -> Option<String> {
         Some(format!("write `.boundary(\"{name}\")` for a boundary of that name"))
