@@ -1,8 +1,8 @@
 //! Rigid obstacles as bounds of whole bodies: parts of a body outside the contact definition would pass through an obstacle unhindered.
 //!
 //! Before the first step the secondary surface must face its obstacle. During a run penetration is checked at all points of the hull
-//! outside of the obstacle's secondary surfaces. An obstacle that the hull penetrates at the start bounds its secondary surface only, like
-//! a plane that stops a flange but not the shaft.
+//! outside of the obstacle's secondary surfaces. An obstacle that the hull penetrates deeply at the start bounds its secondary surface
+//! only, like a plane that stops a flange but not the shaft.
 
 use serde::{Deserialize, Serialize};
 
@@ -17,6 +17,9 @@ use crate::mesh::{Mesh, is_inside};
 /// Depth of a facet's middle in an obstacle, in shortest edges of the facet, from which the obstacle counts as having passed between nodes:
 /// above the sagitta of a facet on an obstacle of its own size.
 const PASSED: f64 = 0.25;
+
+/// Penetration at the start, in shortest edges, up to which an obstacle bounds a hull: less is an overlap by mistake.
+const SLIGHT: f64 = 0.25;
 
 /// Rigid obstacles, with the hulls of the bodies that must not penetrate them.
 pub struct ObstacleBounds {
@@ -39,6 +42,8 @@ struct Bound {
     free: Vec<(u32, f64)>,
     /// True for every node on a secondary surface.
     is_named: Vec<bool>,
+    /// Penetration at the start, in shortest edges.
+    at_start: f64,
 }
 
 /// Body inside a rigid obstacle, at the deepest point.
@@ -59,7 +64,7 @@ pub struct BodyPastObstacle {
 }
 
 impl ObstacleBounds {
-    /// Obstacles of a model that no hull penetrates at the start.
+    /// Obstacles of a model that no hull penetrates by more than [`SLIGHT`] at the start.
     pub fn of(model: &Model) -> ObstacleBounds {
         let dimension = model.dimension();
         let mut firsts = vec![0];
@@ -90,7 +95,7 @@ impl ObstacleBounds {
                 piece.iter().for_each(|&node| sizes[node as usize] = sizes[node as usize].min(shortest));
             }
             let of_hull = (0u32..).zip(&sizes).filter(|&(node, size)| size.is_finite() && !is_named[node as usize]);
-            let bound = Bound {
+            let mut bound = Bound {
                 contact: interaction.name.clone(),
                 body: model.bodies[body].name.clone(),
                 obstacle: Clearance::new(shape),
@@ -102,9 +107,11 @@ impl ObstacleBounds {
                 free: of_hull.map(|(node, &size)| (node, size)).collect(),
                 pieces,
                 is_named,
+                at_start: 0.0,
             };
             let at: Vec<f64> = start.iter().flat_map(|point| &point[..dimension]).copied().collect();
-            if !bound.free.is_empty() && bound.deepest(&at, 0.0, ALLOWED).is_none() {
+            bound.at_start = bound.deepest(&at, 0.0, ALLOWED).map_or(0.0, |(facets, _)| facets);
+            if !bound.free.is_empty() && bound.at_start <= SLIGHT {
                 bounds.push(bound);
             }
         }
@@ -120,7 +127,7 @@ impl ObstacleBounds {
     pub fn deepest(&self, q: &[f64], time: f64, step: usize) -> Option<BodyPastObstacle> {
         let of = |bound: &Bound| {
             let own = &q[bound.dimension * bound.first..bound.dimension * (bound.first + bound.nodes)];
-            let (facets, at) = bound.deepest(own, time, DEPTH)?;
+            let (facets, at) = bound.deepest(own, time, DEPTH).filter(|(facets, _)| *facets > bound.at_start + DEPTH)?;
             let (contact, body) = (bound.contact.clone(), bound.body.clone());
             Some(BodyPastObstacle { contact, body, facets, at: at[..bound.dimension].to_vec(), step, time })
         };

@@ -13,6 +13,9 @@ use crate::contact::{ContactKernel, Evaluation, Obstacle, PredictedMotion, Surfa
 use crate::integrators::Derivative;
 use crate::mesh::Facet;
 
+/// Part of a facet by which corners of a body may be in front of a curved obstacle that has the whole body behind it.
+const IN_FRONT: f64 = 0.25;
+
 /// An overlap in the undeformed bodies.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Overlap {
@@ -47,7 +50,7 @@ impl fmt::Display for Overlap {
         match &self.kind {
             OverlapKind::Bodies([first, second]) => write!(out, "bodies \"{first}\" and \"{second}\" overlap at the start"),
             OverlapKind::Obstacle { boundary, whole: false } => write!(out, "\"{boundary}\" is inside the rigid obstacle at the start"),
-            OverlapKind::Obstacle { boundary, whole: true } => write!(out, "all of \"{boundary}\" is behind the rigid obstacle"),
+            OverlapKind::Obstacle { boundary, whole: true } => write!(out, "the body of \"{boundary}\" is behind the rigid obstacle"),
         }
     }
 }
@@ -70,7 +73,8 @@ impl Overlap {
                 "move one of them, or press them apart at rest before the first step; turn round an obstacle that looks the wrong way"
             }
             (OverlapKind::Obstacle { whole: true, .. }, _) => {
-                "turn it round: the normal of a plane points to where the body is, the points of a polyline have the obstacle on their left"
+                "turn it round: the normal of a plane points to where the body is, the points of a polyline have the obstacle on their \
+                 left, and other shapes are solid or hollow"
             }
             _ => "move one of them, or press them apart at rest before the first step",
         }
@@ -140,7 +144,7 @@ impl Model {
         kernel.begin_step(&reference);
         let size = kernel.facet_size();
         let (least, index) = covered_gaps(&*kernel, &reference).min_by(|a, b| a.0.total_cmp(&b.0))?;
-        if least > ALLOWED * size {
+        if least > IN_FRONT * size {
             return None;
         }
         // If the obstacle has the wrong orientation, its secondary surface is the foremost part of the body, and the deepest point is
@@ -163,8 +167,8 @@ impl Model {
         Surface::in_space(faces.iter().map(|face| &face[..]))
     }
 
-    /// Gap and node of the deepest hull point behind an obstacle, if the whole hull lies behind it within a fraction of `size`, and that
-    /// point is deeper than this fraction; otherwise `None`.
+    /// Gap and node of the deepest hull point behind an obstacle, if the whole hull lies behind it within [`IN_FRONT`] of `size`, and that
+    /// point is deeper than [`ALLOWED`] of it; otherwise `None`.
     fn behind(
         &self,
         body: usize,
@@ -186,7 +190,7 @@ impl Model {
                 deepest = (gap, hull.secondary().nodes()[index] as usize);
             }
         }
-        (highest <= ALLOWED * size && deepest.0 < -ALLOWED * size).then_some(deepest)
+        (highest <= IN_FRONT * size && deepest.0 < -ALLOWED * size).then_some(deepest)
     }
 }
 
