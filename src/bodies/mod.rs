@@ -34,4 +34,4 @@ pub use physics::BodyCells;
 pub use recovery::Recovery;
 pub use rigid::{BarycentricMap, Inertia, RigidMass};
 pub use stresses::{StressError, Stresses};
-pub use surface_loads::{face_pressure, face_pressure_arms, nodal_areas, pressure_shares, round_pressure, torque_forces};
+pub use surface_loads::{face_pressure, face_pressure_arms, nodal_areas, positive_areas, pressure_shares, round_pressure, torque_forces};

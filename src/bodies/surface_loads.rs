@@ -18,6 +18,17 @@ fn sum(shares: &[f64], values: impl Iterator<Item = f64>) -> f64 {
 /// Single points without facets have equal shares. Exact for straight facets of two nodes and plane ones of three in space; for curved
 /// edges and those of bodies of revolution by three Gauss points, for other faces by [`face_points`].
 pub fn nodal_areas(mesh: &Mesh, boundary: &Boundary, plane: Plane) -> Vec<(u32, f64)> {
+    areas(mesh, boundary, plane, face_shares)
+}
+
+/// Nodes of a boundary with positive shares of its measure, for laws that hold at each node. They are the tributary measures, except on
+/// faces of six and eight nodes, where those of corners are zero and negative: there they are proportional to `int N_a^2 dA` (Hinton,
+/// Rock and Zienkiewicz, Earthquake Eng. Struct. Dyn. 4, 1976).
+pub fn positive_areas(mesh: &Mesh, boundary: &Boundary, plane: Plane) -> Vec<(u32, f64)> {
+    areas(mesh, boundary, plane, |points| if matches!(points.len(), 6 | 8) { shares_of_squares(points) } else { face_shares(points) })
+}
+
+fn areas(mesh: &Mesh, boundary: &Boundary, plane: Plane, of_face: impl Fn(&[[f64; 3]]) -> Vec<f64>) -> Vec<(u32, f64)> {
     if boundary.facets.is_empty() {
         return boundary.nodes.iter().map(|&node| (node, 1.0)).collect();
     }
@@ -32,7 +43,7 @@ pub fn nodal_areas(mesh: &Mesh, boundary: &Boundary, plane: Plane) -> Vec<(u32, 
                 let edge = |k: usize| nalgebra::Vector3::from(points[k]) - nalgebra::Vector3::from(points[0]);
                 vec![edge(1).cross(&edge(2)).norm() / 6.0; 3]
             }
-            _ => face_shares(&points),
+            _ => of_face(&points),
         };
         for (node, share) in nodes.into_iter().zip(shares) {
             *areas.entry(node).or_insert(0.0) += share;
@@ -62,6 +73,18 @@ fn face_shares(points: &[[f64; 3]]) -> Vec<f64> {
         shares.iter_mut().zip(&point.shapes).for_each(|(share, shape)| *share += area * shape);
     }
     shares
+}
+
+/// Shares of the area of a face in space, proportional to `int N_a^2 dA`.
+fn shares_of_squares(points: &[[f64; 3]]) -> Vec<f64> {
+    let mut squares = vec![0.0; points.len()];
+    for point in face_points(points.len()) {
+        let [x, y, z] = point.normal(points);
+        let area = point.weight * x.hypot(y).hypot(z);
+        squares.iter_mut().zip(&point.shapes).for_each(|(square, shape)| *square += area * shape * shape);
+    }
+    let whole = face_shares(points).iter().sum::<f64>() / squares.iter().sum::<f64>();
+    squares.iter().map(|square| whole * square).collect()
 }
 
 /// Forces of a unit pressure on a face in space with nodes at `nodes`, against the outward normal: `-int N_a n dA`.

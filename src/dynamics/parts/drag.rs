@@ -1,8 +1,8 @@
 //! Drag: forces of a medium at rest around the bodies, opposite to the velocities of their nodes.
 //!
-//! On a boundary the force is `-F(|v|) v/|v|` per undeformed area, distributed to the nodes by their shares. On a body it is `-alpha M v`
-//! with its consistent mass (mass-proportional Rayleigh damping): the amplitude of every mode decays with the rate `alpha/2` for any
-//! frequency, and so do rigid motions; neither conserves momenta. The heat is `dt v.f`, never negative.
+//! On a boundary the force is `-F(|v|) v/|v|` per undeformed area, distributed to the nodes by positive shares. On a body it is
+//! `-alpha M v` with its consistent mass (mass-proportional Rayleigh damping): the amplitude of every mode decays with the rate `alpha/2`
+//! for any frequency, and so do rigid motions; neither conserves momenta. The heat is `dt v.f`, never negative.
 
 use std::sync::Arc;
 

@@ -6,7 +6,7 @@ use super::arguments::{boundary_of, deformable_of};
 use super::change::change;
 use super::ends::{constants_parameter, end_parameters, ends_of, one_of, text_of};
 use super::handle::{BodyHandle, BoundaryHandle, ModelHandle};
-use crate::bodies::nodal_areas;
+use crate::bodies::positive_areas;
 use crate::dynamics::{DamperDefinition, DamperElement, DragDefinition, DragTarget, Viscous};
 use crate::materials::Viscosity;
 use crate::script::api::examples::{TOUCH, plate_example};
@@ -103,7 +103,7 @@ pub fn add_drag() -> Function {
             let shares = {
                 let data = model.0.borrow();
                 let body = &data.model.bodies[on.body];
-                nodal_areas(&body.mesh, &on.boundary, body.formulation.plane)
+                positive_areas(&body.mesh, &on.boundary, body.formulation.plane)
             };
             if on.boundary.facets.is_empty() {
                 return Err(argument
