@@ -76,13 +76,11 @@ where
         StepError::NotConverged { time, step, dt, halvings, cause, remedy }
     }
 
-    /// Contact with a constraint that no free motion can meet: the one at which elimination stopped, the one violated most in the last
-    /// attempt, or one that became active in it.
+    /// Contact with a constraint that no free motion can meet: the one at which elimination stopped, or the one violated most in the last
+    /// attempt.
     fn unyielding(&self, dependent: Option<usize>) -> Option<&ContactPair> {
-        let iterations = &self.trace.iterations;
-        let violated = iterations.last().map(|last| last.worst_row);
-        let rows = dependent.into_iter().chain(violated).chain(iterations.iter().flat_map(|iteration| iteration.changed.iter().copied()));
-        let of_contact = rows.filter_map(|row| Some((row, self.system.pair_of(row)?)));
+        let violated = self.trace.iterations.last().map(|last| last.worst_row);
+        let of_contact = dependent.into_iter().chain(violated).filter_map(|row| Some((row, self.system.pair_of(row)?)));
         let mut holding = of_contact.filter(|(row, pair)| !pair.kind.is_bilateral() && always_holds(pair, *row));
         holding.find(|(row, _)| self.system.is_determined(*row, &self.state.positions)).map(|(_, pair)| pair)
     }
